@@ -27,12 +27,12 @@ table is an error that names the nearest known one. Every key can be set from th
 
 template <class Entry>
 std::string catalogue(const std::string& heading, const Registry<Entry>& registry) {
-  std::string s = "\n### " + heading + "\n\n| name | what it is |\n|---|---|\n";
+  std::string s = "\n### " + heading + "\n\n| name | meaning |\n|---|---|\n";
   for (const auto& row : registry.rows()) s += fmt::format("| `{}` | {} |\n", row.name, row.summary);
   return s;
 }
 
-constexpr const char* report_table = "\n## `[report]`\n\nThe table may stand there; it has no key in this version.\n";
+constexpr const char* report_table = "\n## `[report]`\n\nThe table is allowed and has no key in this version.\n";
 
 }  // namespace
 
@@ -44,13 +44,13 @@ std::string case_reference() {
   s += reference_table<RecordingOptions>("[recordings]", "recordings", "What was measured; see [how-to/import_recordings.md](how-to/import_recordings.md).");
   s += reference_table<Parameter>(
       "[parameter.NAME]", "parameter.NAME",
-      "The numbers to infer, in declared order. NAME stands for `material.mercury.NAME` unless `key` names another number of the case, such as\n"
+      "The numbers to infer, in declared order. NAME means `material.mercury.NAME` unless `key` names another number of the case, such as\n"
       "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. ENC uses the bounds alone, MAP the "
       "priors, too.");
   s += reference_table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
   s += reference_table<FloorOptions>(
       "[floor]", "floor",
-      "The repeatability floor of `calomel check --floor` and of every campaign, and what stands beside it, see [theory/forward.md](theory/forward.md).");
+      "The repeatability floor of `calomel check --floor` and of every campaign, and the other numerical errors, see [theory/forward.md](theory/forward.md).");
   s += reference_table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += reference_table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += reference_table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
@@ -59,7 +59,7 @@ std::string case_reference() {
                                         "Runs that the emulator of the posterior is trained on, see [theory/emulator.md](theory/emulator.md).");
   s += reference_table<PosteriorOptions>("[posterior]", "posterior",
                                          "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
-  s += reference_table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
+  s += reference_table<ErrorOptions>("[errors]", "errors", "Known errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += reference_table<DiagnosisOptions>("[diagnosis]", "diagnosis",
                                          "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
   s += reference_table<SensitivityOptions>("[sensitivity]", "sensitivity",
@@ -78,7 +78,7 @@ std::string case_reference() {
   for (const auto& kind : simulator_kinds().rows()) {
     s += kind.entry.reference();
     for (const auto& c : kind.entry.catalogues()) {
-      s += "\n### " + c.title + "\n\n| name | what it is |\n|---|---|\n";
+      s += "\n### " + c.title + "\n\n| name | meaning |\n|---|---|\n";
       for (const auto& [name, summary] : c.entries) s += fmt::format("| `{}` | {} |\n", name, summary);
     }
   }

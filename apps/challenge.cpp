@@ -38,8 +38,11 @@ std::string few_of(const std::vector<std::string>& names) {
 SuiteOptions suite_of(const ChallengeWords& words) {
   SuiteOptions options = suites().get(words.suite, "--suite");
   const auto take = [](const std::optional<int>& given, int& value) { value = given.value_or(value); };
-  take(words.none, options.none), take(words.single, options.single), take(words.outside, options.outside), take(words.sensor, options.sensor),
-      take(words.pair, options.pair);
+  take(words.none, options.none);
+  take(words.single, options.single);
+  take(words.outside, options.outside);
+  take(words.sensor, options.sensor);
+  take(words.pair, options.pair);
   if (!words.effects.empty()) options.effects = words.effects;
   options.grid = words.grid.value_or(options.grid);
   return options;
@@ -59,7 +62,7 @@ ExitStatus make(const CommandLine& command, const Notes& notes) {
                                   : fmt::format("{} cases in {}, {} made now", summary.cases - summary.failed.size(), words.directory.string(), summary.made)));
   if (summary.failed.empty()) return ExitStatus::done;
   notes.warn(
-      fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), few_of(summary.failed)));
+      fmt::format("{} could not be made: {}; truth/NAME.log gives the reason; the same command tries again", summary.failed.size(), few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }
 
@@ -90,7 +93,7 @@ ExitStatus run(const CommandLine& command, const Notes& notes) {
   notes.say(
       stage_line(stage, fmt::format("{} of {} cases have a diagnosis, {} made now", summary.cases - summary.failed.size(), summary.cases, summary.diagnosed)));
   if (summary.failed.empty()) return ExitStatus::done;
-  notes.warn(fmt::format("{} could not be diagnosed: {}; results/NAME/diagnose.log says why, the same command tries them again", summary.failed.size(),
+  notes.warn(fmt::format("{} could not be diagnosed: {}; results/NAME/diagnose.log gives the reason; the same command tries again", summary.failed.size(),
                          few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }

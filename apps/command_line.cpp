@@ -40,7 +40,8 @@ void add_quiet(CLI::App& verb, CommandLine& command) { verb.add_flag("--quiet", 
 void add_challenge(CLI::App& verb, CommandLine& command) {
   auto& words = command.challenge;
   verb.require_subcommand(1);
-  auto& make = *verb.add_subcommand("make", "make cases with physics that is concealed in them, and the truth apart from them; goes on where it was cut off");
+  auto& make =
+      *verb.add_subcommand("make", "make cases with physics that is concealed in them, and their truth in another folder; resumes an interrupted call");
   add_seed(make, command, "seed of the suite: the same seed gives the same cases")->required();
   make.add_option("--out", words.directory, "directory of the suite")->required()->type_name("DIR");
   make.add_option("--suite", words.suite, "how many cases of which kind (default: small): small, quick, full")->type_name("NAME");
@@ -58,13 +59,13 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
       ->type_name("PATH");
   make.add_flag("--specs", words.specs, "only draw the cases: their SPEC files in truth/, no records");
   add_threads(make, command, "threads of the generator (default: all)");
-  auto& run = *verb.add_subcommand("run", "diagnose every case that has no diagnosis yet, as calomel diagnose does; goes on where it was cut off");
+  auto& run = *verb.add_subcommand("run", "diagnose every case that has no diagnosis yet, as calomel diagnose does; resumes an interrupted call");
   auto& score = *verb.add_subcommand("score", "hold the diagnoses against the truth: confusion, gates with exact bounds, Brier score, coverage");
   for (auto* one : {&run, &score}) one->add_option("DIR", words.directory, "directory of the suite")->required()->type_name("");
   add_threads(run, command, "threads of a diagnosis (default: all)");
   add_overrides(run, command, "override a value of every case; may be repeated");
-  run.add_flag("--discard-runs", words.discard_runs, "delete the journal of a case's runs once its diagnosis stands");
-  run.add_flag("--new-rule", words.new_rule, "where the rule of decision has changed, set the old results aside (results.old-N) and begin anew");
+  run.add_flag("--discard-runs", words.discard_runs, "delete the journal of a case's runs once its diagnosis is finished");
+  run.add_flag("--new-rule", words.new_rule, "where the rule of decision has changed, set the old results aside (results.old-N) and start again");
   score.add_option("--with", words.with, "scores of other suites that one rule has judged, whose cases are counted too; may be repeated")
       ->check(CLI::ExistingFile)
       ->allow_extra_args(false)
@@ -86,7 +87,7 @@ void add_shared(CLI::App& verb, CommandLine& command, Takes takes) {
   add_overrides(verb, command, "override a value of the case; may be repeated");
   add_threads(verb, command, "threads at most (default: all); a run that would not gain by them takes fewer");
   add_seed(verb, command, "seed of all random streams (default: 1)");
-  verb.add_flag("--fresh", command.fresh, "set finished artefacts of other settings aside (NAME.old-N) and begin anew");
+  verb.add_flag("--fresh", command.fresh, "set finished artefacts of other settings aside (NAME.old-N) and start again");
 }
 
 void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {

@@ -72,7 +72,7 @@ struct Verb {
 enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh, power, serve };
 std::vector<Extra> extras_of(const std::string& verb);
 
-/// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed
+/// Parses the words after the program's name. Returns false when they requested --help or --version, which is then printed
 /// to `out`. Errors: InputError for whatever the parser refuses, and for an unknown verb, with the nearest known.
 bool parse(std::span<const std::string> words, std::span<const Verb> verbs, CommandLine& command, std::ostream& out);
 

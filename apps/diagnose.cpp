@@ -13,7 +13,7 @@ namespace {
 
 /// What a diagnosis sets that the user has not.
 void set_defaults(CommandLine& command) {
-  // Handbook priors and a discrepancy: what is asked is whether the model is right, not which numbers imitate the records.
+  // Handbook priors and a discrepancy: the diagnosis examines whether the model is right, not which numbers imitate the records.
   command.overrides.emplace_back("map.product=\"physical\"");
   const StudyCase study = StudyCase::read(command.case_file, command.overrides);
   const auto sizes = diagnosis_element_sizes(*study.simulator, study.emulator);

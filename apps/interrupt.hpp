@@ -4,7 +4,7 @@
 
 namespace calomel {
 
-/// True once the user asked to stop. Long work looks at it between its steps and throws Interrupted.
+/// True once the user requested a stop. Long work looks at it between its steps and throws Interrupted.
 const std::atomic<bool>& stop_requested();
 
 /// From here on SIGINT and SIGTERM set stop_requested(); a second one ends the program at once with status 130 (what was

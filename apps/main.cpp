@@ -15,7 +15,7 @@ std::vector<Verb> verbs() {
           {"sample", "the posterior of the parameters by Markov chains on the multilevel emulator", Takes::case_file, run_sample},
           {"sensitivity", "which parameters the records depend on", Takes::case_file, run_sensitivity},
           {"diagnose", "where simulation and recordings differ, and which physics was left out", Takes::case_file, run_diagnose},
-          {"report", "one self-contained page of what was found", Takes::case_file, run_report},
+          {"report", "one self-contained page of results", Takes::case_file, run_report},
           {"study", "the stages of [study], reusing finished ones", Takes::case_file, run_study},
           {"import", "recordings in CSV or text to recordings.nc", Takes::files, run_import},
           {"serve", "the case's model behind HTTP, UM-Bridge 1.0", Takes::case_file, run_serve},

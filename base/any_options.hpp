@@ -9,7 +9,7 @@
 
 namespace calomel {
 
-/// A copyable value that holds Options of any type and stands in for them in every visitor: it is read, echoed, documented and searched for numbers like the
+/// A copyable value that holds Options of any type and replaces them in every visitor: it is read, echoed, documented and searched for numbers like the
 /// Options that it holds. Invariant: it always holds Options, those without keys by default.
 class AnyOptions {
  public:

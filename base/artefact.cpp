@@ -70,7 +70,7 @@ Json read_json(const std::filesystem::path& path) {
   try {
     return Json::parse(read_text(path));
   } catch (const Json::exception& e) {
-    throw InputError({.problem = std::string("not valid JSON: ") + e.what(), .suggestion = "make it anew with --fresh", .file = path.string()});
+    throw InputError({.problem = std::string("not valid JSON: ") + e.what(), .suggestion = "make it again with --fresh", .file = path.string()});
   }
 }
 
@@ -90,8 +90,8 @@ void write_json(const std::filesystem::path& path, const Json& json) {
 std::string Provenance::identity() const { return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump()); }
 
 namespace {
-/// The options of a written provenance without those that once counted although they do not change the result.
-Json telling_options(const Json& written) {
+/// The options of a written provenance that are part of the identity: older releases also recorded options that do not change the result.
+Json identifying_options(const Json& written) {
   Json options = written.value("options", Json::object());
   if (!options.contains("solver") || !options["solver"].is_object()) return options;
   options["solver"].erase("checkpoint");  // how often a run is saved
@@ -102,7 +102,7 @@ Json telling_options(const Json& written) {
 }  // namespace
 
 std::string identity_of(const Json& written) {
-  Json options = telling_options(written);
+  Json options = identifying_options(written);
   if (options == written.value("options", Json::object())) return written.value("identity", "");
   return Provenance{.stage = written.value("stage", ""),
                     .options = std::move(options),
@@ -139,10 +139,12 @@ Reuse reusable(const std::filesystem::path& path, const Provenance& now) {
 
 void expect_same_provenance(const Json& before, const Provenance& now, const std::filesystem::path& file) {
   if (identity_of(before) == now.identity()) return;
-  auto keys = changed_keys(telling_options(before), now.options);
+  auto keys = changed_keys(identifying_options(before), now.options);
   for (const auto& k : changed_keys(before.value("inputs", Json::object()), Json(now.inputs))) keys.push_back("the input " + k);
   if (before.value("seed", std::uint64_t{0}) != now.seed) keys.push_back("the seed");
-  throw InputError({.problem = "was made with other settings; changed: " + (keys.empty() ? std::string("the program's version of this stage") : join(keys)),
+  if (before.value("stage", "") != now.stage) keys.push_back(fmt::format("the stage ({}, now {})", before.value("stage", "none"), now.stage));
+  if (keys.empty()) keys.push_back("the identity (the options, inputs and seed are equal: the file was edited or is damaged)");
+  throw InputError({.problem = "was made with other settings; changed: " + join(keys),
                     .suggestion = "use another --out, or --fresh to set the old artefacts aside",
                     .file = file.string()});
 }

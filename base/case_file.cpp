@@ -256,7 +256,7 @@ InputError CaseFile::located(const InputError& error) const {
   auto parts = error.parts();
   if (!parts.file.empty()) return error;
   parts.file = path_.string();
-  // The key itself, or the nearest enclosing table that stands in the file.
+  // The key itself, or the nearest enclosing table in the file.
   std::string at = parts.key;
   const toml::node* node = nullptr;
   const toml::key* key = nullptr;
@@ -272,7 +272,7 @@ InputError CaseFile::located(const InputError& error) const {
     if (owner && owner->is_table())
       for (const auto& [k, v] : *owner->as_table())
         if (&v == node) key = &k;
-    const bool of_override = node->source().path && *node->source().path != path_.string();  // the key that it replaces still says where it stood
+    const bool of_override = node->source().path && *node->source().path != path_.string();  // the replaced key still has its place
     const auto& source = !of_override && key && key->source().begin.line ? key->source() : node->source();
     parts.line = int(source.begin.line);
     parts.column = int(source.begin.column);

@@ -35,7 +35,7 @@ class CaseFile {
   /// Relative paths in a case start at the case file.
   [[nodiscard]] std::filesystem::path resolve(const std::string& relative) const;
 
-  /// Whether a value or table stands at the dotted path ("recordings", "sensor[0].gauge_length").
+  /// Whether there is a value or table at the dotted path ("recordings", "sensor[0].gauge_length").
   [[nodiscard]] bool has(const std::string& path) const;
   /// Names of the tables under `path`, in file order (toml++ itself iterates alphabetically).
   [[nodiscard]] std::vector<std::string> names(const std::string& path) const;
@@ -45,7 +45,7 @@ class CaseFile {
   [[nodiscard]] std::optional<std::string> text(const std::string& path) const;
   /// The number at `path`, when it is one.
   [[nodiscard]] std::optional<double> number(const std::string& path) const;
-  /// What stands at `path`, an empty object where nothing does.
+  /// The value at `path`, or an empty object.
   [[nodiscard]] Json json(const std::string& path) const;
   /// Accepts `path` (a key or table read by other means than `read`).
   void accept(const std::string& path);

@@ -33,7 +33,7 @@ class InputError : public std::runtime_error {
   Parts parts_;
 };
 
-/// The computation itself failed: a collapsed step, a NaN, a model outside that does not answer.
+/// The computation itself failed: a collapsed step, a NaN, an external model that does not answer.
 class NumericsError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

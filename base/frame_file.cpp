@@ -30,7 +30,7 @@ std::string frame(std::string_view payload) {
 
 InputError unwritable(const std::filesystem::path& path) {
   return InputError({.problem = std::string("cannot be written: ") + std::strerror(errno),
-                     .suggestion = "check the free space and the rights; what is finished is kept",
+                     .suggestion = "check the free space and the permissions; finished work is kept",
                      .file = path.string()});
 }
 
@@ -52,7 +52,7 @@ std::uint64_t size_of(int file, const std::filesystem::path& path) {
   return std::uint64_t(status.st_size);
 }
 
-/// The payload of the frame at `offset`; empty when no whole frame stands there below `limit`.
+/// The payload of the frame at `offset`; empty if there is no complete frame there below `limit`.
 std::string frame_at(int file, std::uint64_t offset, std::uint64_t limit) {
   std::uint64_t head[2];
   if (limit < offset + head_bytes || !read_at(file, offset, reinterpret_cast<char*>(head), head_bytes)) return {};

@@ -1,5 +1,5 @@
 #pragma once
-/// An append-only file of checksummed records ("frames") behind a head that says what they belong to: what long work keeps, so that a
+/// An append-only file of checksummed records ("frames") behind a head that identifies their owner: what long work keeps, so that a
 /// kill at any instant loses at most the record being written.
 ///
 /// Layout: the kind's line of text, then frames. A frame is {u64 bytes, u64 checksum, payload}, little-endian; the checksum is FNV-1a
@@ -40,7 +40,7 @@ class ByteWriter {
   void text(std::string_view s) { values(std::span<const char>(s.data(), s.size())); }
 };
 
-/// Takes them off again in the same order. Errors: ContractFailure when there are fewer bytes than asked for.
+/// Takes them off again in the same order. Errors: ContractFailure when there are fewer bytes than requested.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
@@ -86,9 +86,9 @@ class FrameFile {
   using Each = std::function<void(std::string_view payload, Place place)>;
 
   /// Opens the file at `path`, or begins one, and hands every whole frame to `each` in order, one at a time in memory; what follows the last whole one (the
-  /// write that a kill tore) is cut off. `kind` is its first line, without the line end, e.g. "calomel chains 1". The file stays locked while the object lives.
-  /// Errors: InputError when the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use by
-  /// another process, or cannot be written.
+  /// write that a kill tore) is cut off. `kind` is its first line, without the line end, e.g. "calomel chains 1". The file remains locked while the object
+  /// lives. Errors: InputError when the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use
+  /// by another process, or cannot be written.
   FrameFile(std::filesystem::path path, const std::string& kind, const Provenance& provenance, const Each& each);
   ~FrameFile();
   FrameFile(const FrameFile&) = delete;

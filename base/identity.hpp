@@ -1,5 +1,5 @@
 #pragma once
-/// The identity of an artefact that stands, as programs of today count it.
+/// The identity of an existing artefact, by the present definition.
 #include <string>
 
 #include "base/options.hpp"

@@ -22,7 +22,7 @@ class NetcdfWriter {
   NetcdfWriter(const NetcdfWriter&) = delete;
   NetcdfWriter& operator=(const NetcdfWriter&) = delete;
 
-  /// What is declared and written from here on stands in this group, which is made when it is new; "" is the root. A group has dimensions of its own
+  /// Later declarations and values go into this group, which is made when it is new; "" is the root. A group has dimensions of its own
   /// beside those of the root.
   void group(const std::string& name);
   /// Of the file, or of the group that is being written.

@@ -5,6 +5,6 @@
 namespace calomel {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
-inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();  ///< stands for one that there is none of: no recording there, a run that failed
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();  ///< represents a missing value: no recording there, or a failed run
 
 }  // namespace calomel

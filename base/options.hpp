@@ -9,7 +9,7 @@
 ///
 /// Fields may be bool, int, double, std::string, std::optional<double>, std::array<double, N>,
 /// std::vector<double>, std::vector<int>, std::vector<std::string>; a nested Options joins through
-/// `v.table("profile", profile, "doc")`. A key that is no longer read stays known by `v.renamed("old", "new = 1 | 2 says it now")`: a case that has it is
+/// `v.table("profile", profile, "doc")`. A key that is no longer read is declared by `v.renamed("old", "new = 1 | 2 says it now")`: a case that has it is
 /// refused with those words. Optional members: `validate() const` throws InputError for what spans fields.
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ namespace calomel {
 
 using Json = nlohmann::ordered_json;  ///< by name only; json.hpp defines it
 
-/// Allowed interval of a number, both ends closed unless said.
+/// Allowed interval of a number, both ends closed unless stated.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ inline Range above(double low) { return {.low = low, .low_open = true}; }
 inline Range between(double low, double high) { return {.low = low, .high = high}; }
 inline Range strictly_between(double low, double high) { return {.low = low, .high = high, .low_open = true, .high_open = true}; }
 
-/// 17 digits where needed, fewer where they say the same.
+/// 17 digits where needed, fewer if they give the same value.
 std::string number_text(double x);
 
 /// A table that holds no keys, only tables if any.
@@ -87,7 +87,7 @@ class EchoVisitor {
   void renamed(const char*, const char*) {}
 
  private:
-  /// The empty object that now stands at the key.
+  /// The new empty object at the key.
   Json& table(const char* key);
   Json& object_;
 };

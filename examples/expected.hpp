@@ -26,7 +26,8 @@ inline bool as_expected(const std::map<std::string, double>& found, const std::s
     const bool good = it != found.end() && std::abs(it->second - wanted) <= most;
     fmt::print("{:<34} {:>12} expected {:.6g} +- {:.2g}: {}\n", name, it == found.end() ? "absent" : fmt::format("{:.6g}", it->second), wanted, most,
                good ? "as expected" : "NOT AS EXPECTED");
-    all = all && good, ++checked;
+    all = all && good;
+    ++checked;
   }
   return all && checked > 0;
 }

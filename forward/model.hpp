@@ -1,6 +1,6 @@
 #pragma once
 /// The seam of the house: a ForwardModel turns parameters into sensor histories. The built-in solver, a surrogate and
-/// a model outside the process are all ForwardModels, so inverse/ and uq/ never know which they hold.
+/// an external model are all ForwardModels, so inverse/ and uq/ never know which they hold.
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
@@ -29,10 +29,10 @@ struct ModelShape {
 /// One evaluation. Arrays are (condition, sensor, time) row-major, see ModelShape::at; empty when a model has none.
 struct Prediction {
   bool ok = true;
-  bool lost = false;                 ///< it failed because no answer came: the model has said nothing of this point, and another try may have one
+  bool lost = false;                 ///< it failed because there was no response; another attempt may succeed
   std::string message;               ///< why it failed: step, element, parameters
   std::vector<double> mean;          ///< ensemble mean over pulse energies [-]
-  std::vector<double> energy_slope;  ///< secant of the strain by relative pulse energy [-]
+  std::vector<double> energy_slope;  ///< gradient of the strain with respect to the relative pulse energy [-]
   std::vector<double> scatter;       ///< sd of the single pulses about mean + slope (a - 1) [-]
   std::vector<float> pulses;         ///< (pulse, condition, sensor, time): the single pulses [-]
   std::vector<double> energies;      ///< relative energy of each pulse [-]

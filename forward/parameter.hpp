@@ -1,5 +1,5 @@
 #pragma once
-/// The uncertain parameters of a case: name, the number they stand for, bounds, prior and nominal value.
+/// The uncertain parameters of a case: name, number of the case, bounds, prior and nominal value.
 #include <cmath>
 #include <functional>
 #include <optional>

@@ -36,7 +36,7 @@ struct ParameterGroup {
   std::string plain, check;            ///< MechanismEntry's
 };
 
-/// Sets the numbers of the case that `values` (added) say, by dotted key. A value at its nominal is left alone: with all of them there a run is the base
+/// Sets the numbers of the case to `values` (added), by dotted key. A value at its nominal is left alone: with all of them there a run is the base
 /// model's.
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
 

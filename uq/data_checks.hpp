@@ -6,7 +6,7 @@
 
 #include "inverse/posterior/fit_residual.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
-#include "inverse/posterior/pulls.hpp"
+#include "inverse/posterior/prior_deviations.hpp"
 #include "uq/diagnosis/clock_offset.hpp"
 #include "uq/diagnosis/mislabelled_channels.hpp"
 
@@ -16,7 +16,7 @@ struct DataChecks {
   std::vector<std::string> dead;                ///< gauges that record nothing but noise
   std::vector<MislabelledChannel> mislabelled;  ///< mixed-up channels; where there is one, all that follows would be its doing and is left out
   std::optional<ClockOffset> clock;             ///< of all records; only checked with an emulator
-  std::vector<Pull> nuisances;                  ///< all numbers that are marginalised, as the records estimate them
+  std::vector<PriorDeviation> nuisances;        ///< estimates of all marginalised nuisance parameters
 };
 
 /// Checks the records by a fit.

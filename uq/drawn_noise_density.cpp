@@ -53,13 +53,13 @@ std::vector<double> DrawnNoiseDensity::weights(const Eigen::VectorXd& q) const {
   return shares(logs);
 }
 
-NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
-                             std::size_t most) {
+NoiseInflation noise_inflation(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
+                               std::size_t most) {
   const std::size_t all = coordinates.chains * coordinates.draws;
   const std::size_t d = coordinates.names.size();
   const std::size_t n = quantities.names.size();
   const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
-  NoiseWidening out;
+  NoiseInflation out;
   std::vector<double> logs;                     // log density under the estimate less that of the mean, by draw
   std::vector<std::vector<double>> draw_share;  // share of each draw of the hyperparameters, by draw
   std::vector<std::size_t> taken;

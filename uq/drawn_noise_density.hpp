@@ -30,7 +30,7 @@ class DrawnNoiseDensity final : public LogDensity {
 };
 
 /// The change of a posterior by averaging over the draws of the hyperparameters.
-struct NoiseWidening {
+struct NoiseInflation {
   std::vector<double> sd_ratio;        ///< (quantities) standard deviation of the draws over that under the estimate alone
   std::vector<double> sd_ratio_alike;  ///< (quantities) the same for the mean of the draws' posteriors, each with the same weight whatever the records favour
   std::vector<double> shift;           ///< (quantities) shift of the mean, in standard deviations under the estimate alone
@@ -42,7 +42,7 @@ struct NoiseWidening {
 /// Compares both posteriors. That under the estimate is represented by the same draws with the weights p_estimate / p, so that both have the same Monte Carlo
 /// error; likewise those of each draw of the hyperparameters. coordinates, quantities: the sampler's draws, of which at most `most` evenly spaced ones are
 /// taken.
-[[nodiscard]] NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
-                                           std::size_t most = 8000);
+[[nodiscard]] NoiseInflation noise_inflation(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
+                                             std::size_t most = 8000);
 
 }  // namespace calomel

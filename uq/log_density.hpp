@@ -2,14 +2,14 @@
 /// The seam between models and samplers: a probability density on R^d, known up to a factor.
 ///
 /// A LogDensity promises:
-///  - coordinates that are unconstrained: every x in R^d may be asked. What lives on an interval or is positive is transformed by
+///  - coordinates that are unconstrained: the density is defined for every x in R^d. What lives on an interval or is positive is transformed by
 ///    whoever makes the density, with the Jacobian of the transformation in it (a sampler neither knows nor adds one);
 ///  - log_density(x) = ln p(x) + const, the constant the same at every x and in every call; minus infinity where the density is zero;
 ///    never NaN and never plus infinity (a sampler takes either for a defect and stops);
 ///  - the same value for the same x, from any thread, several at a time (the functions are const and keep nothing between calls);
 ///  - with has_gradient(), the exact gradient of what log_density returns, where that is finite;
 ///  - constrain(x), the quantities in natural units that are reported. They need not be d: a derived quantity is one more name.
-/// A model that cannot be evaluated at x may say minus infinity; what it throws ends the run.
+/// A model that cannot be evaluated at x may return minus infinity; an exception ends the run.
 #include <algorithm>
 #include <span>
 #include <string>
@@ -40,7 +40,7 @@ class LogDensity {
     return 0;
   }
 
-  /// What is reported; the coordinates themselves unless a density says otherwise.
+  /// What is reported; the coordinates themselves unless a density overrides it.
   [[nodiscard]] virtual std::vector<std::string> quantities() const { return coordinates(); }
   /// Their values at x into `values`: (quantities), in the order of quantities().
   virtual void constrain(std::span<const double> x, std::span<double> values) const { std::copy(x.begin(), x.end(), values.begin()); }

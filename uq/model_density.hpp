@@ -1,5 +1,5 @@
 #pragma once
-/// A quick model's posterior as samplers take it.
+/// The posterior of a model with cheap runs, in the form that samplers use.
 #include "inverse/posterior/model_posterior.hpp"
 #include "uq/log_density.hpp"
 

@@ -20,12 +20,10 @@ struct PosteriorOptions {
        .doc = "draws of the numerical noise's covariance and of the meshes' noise ratio, over which the likelihood is averaged; 0 or 1: their estimate alone"});
     v("refinements", refinements,
       {.range = between(0, 20),
-       .doc =
-           "how often at most the emulator is trained on further runs and fitted anew where runs of the true model at the posterior's draws do not lie where "
-           "it says"});
+       .doc = "greatest number of refinements: the emulator is trained on further runs and fitted again if runs of the true model at the posterior's draws "
+              "contradict it"});
     v("compare", compare,
-      {.doc = "further posteriors on the same emulator and the same runs, under errors that leave something out (theory/posterior.md): what the answer owes to "
-              "its errors",
+      {.doc = "further posteriors on the same emulator and runs under other error models (theory/posterior.md); they show the influence of the assumed errors",
        .choices = compared_forms()});
   }
 };

@@ -32,7 +32,7 @@ struct RefinedFit {
 };
 
 /// Compares the true model with the emulator at draws of short chains from all modes in the box. Where they do not agree, it refines the emulator and fits
-/// anew, at most `most` times. A refinement adds the runs of the check, and `emulator.round_coarse` and `round_fine` runs at those draws from the posterior
+/// again, at most `most` times. A refinement adds the runs of the check, and `emulator.round_coarse` and `round_fine` runs at those draws from the posterior
 /// where the emulator's variance is greatest. It shrinks the box about the mode where the box is far wider than the posterior, since a polynomial of order two
 /// follows the model worse in a wider box. Each fit has its own random streams (in.seed + 100 000 times its number), so that no check repeats points that the
 /// emulator was trained on. Runs come from `in.run` alone, so that an interrupted call with a store behind it ends with the same fit. checked: called after

@@ -7,7 +7,7 @@
 namespace calomel::challenge {
 
 /// Runs `program` with these words, stdout and stderr to the file `log`, and waits for it. Its exit status; 128 plus the signal that ended it; 127 when it
-/// cannot be started. It never outlives this program. Errors: Interrupted when the user asked to stop; the program has then received SIGTERM and has ended.
+/// cannot be started. It never outlives this program. Errors: Interrupted when the user requested a stop; the program has then received SIGTERM and has ended.
 /// InputError when `log` cannot be written.
 int run_child(const std::filesystem::path& program, std::span<const std::string> words, const std::filesystem::path& log);
 

@@ -24,12 +24,12 @@ const std::vector<std::string> families{"none", "single", "pair", "outside", "se
 
 std::string word_of(const CaseFile& file, const std::string& key) {
   if (const auto word = file.text(key)) return *word;
-  throw file.located(InputError({.problem = "a text is expected here", .key = key, .suggestion = "a truth file is what the reference generator writes"}));
+  throw file.located(InputError({.problem = "a text is expected here", .key = key, .suggestion = "truth files are written by the reference generator"}));
 }
 
 double number_of(const CaseFile& file, const std::string& key) {
   if (const auto number = file.number(key)) return *number;
-  throw file.located(InputError({.problem = "a number is expected here", .key = key, .suggestion = "a truth file is what the reference generator writes"}));
+  throw file.located(InputError({.problem = "a number is expected here", .key = key, .suggestion = "truth files are written by the reference generator"}));
 }
 
 /// A number, not a number for null or where it is absent.
@@ -87,7 +87,7 @@ Truth read_truth(const fs::path& path) {
   const auto known = std::find(families.begin(), families.end(), family);
   if (known == families.end())
     throw file.located(InputError(
-        {.problem = "no family of this name", .key = "family", .range = join(families), .suggestion = "a truth file is what the reference generator writes"}));
+        {.problem = "no family of this name", .key = "family", .range = join(families), .suggestion = "truth files are written by the reference generator"}));
   t.family = Family(known - families.begin());
   t.strength = number_of(file, "strength.decimated");
   for (const auto& name : file.names("parameter")) t.parameters[name] = number_of(file, "parameter." + name);
@@ -101,7 +101,7 @@ Truth read_truth(const fs::path& path) {
   }
   if ((t.family == Family::none) != t.effects.empty())
     throw file.located(InputError(
-        {.problem = "the family does not go with the effects", .key = "family", .suggestion = "a truth file is what the reference generator writes"}));
+        {.problem = "the family does not go with the effects", .key = "family", .suggestion = "truth files are written by the reference generator"}));
   if (t.family != Family::outside) t.mechanisms.assign(mechanisms.begin(), mechanisms.end());
   return t;
 }

@@ -27,7 +27,7 @@ bool make_case(const fs::path& spec, const fs::path& work, const fs::path& into,
   if (!whole) return false;
   for (const char* file : {"case.toml", "recordings.csv"}) sync_to_disk(made / file);
   rename_durably(made_truth, truth);
-  if (!fs::exists(into)) rename_durably(made, into);  // last: a case that stands has its truth
+  if (!fs::exists(into)) rename_durably(made, into);  // last, so that every complete case has its truth
   return true;
 }
 
@@ -40,7 +40,7 @@ MakeSummary make_suite(const SuiteOptions& options, std::uint64_t seed, const fs
   const auto provenance = provenance_of(options, seed);
   if (reusable(out / "suite.json", provenance) == Reuse::nothing_there) {
     if (fs::exists(out / "cases"))
-      throw InputError({.problem = "holds cases, but no suite.json that says of which suite", .suggestion = "use another --out", .file = out.string()});
+      throw InputError({.problem = "has cases, but no suite.json that names their suite", .suggestion = "use another --out", .file = out.string()});
     write_json(out / "suite.json", {{"cases", cases_of(options, seed).size()}, {"provenance", provenance.json()}});
   }
   const fs::path truths = out / "truth", work = out / "making";

@@ -35,7 +35,7 @@ std::filesystem::path find_generator(const std::filesystem::path& given, const s
 /// The reference generator as a child process on `threads` threads.
 Generate generate_by(const std::filesystem::path& generator, int threads);
 
-/// Names of the cases that stand in `directory`/cases, in alphabetical order. Errors: InputError when there is no such directory or no case in it.
+/// Names of the cases in `directory`/cases, in alphabetical order. Errors: InputError when there is no such directory or no case in it.
 std::vector<std::string> cases_in(const std::filesystem::path& directory);
 
 }  // namespace calomel::challenge

@@ -40,8 +40,8 @@ bool record_rule(const fs::path& directory, const Rule& rule, const std::string&
   Json record{{"hash", rule.hash()}, {"rule", rule.json()}, {"programs", {program}}};
   if (!fs::exists(path)) {
     if (fs::exists(directory / "results") && !new_rule)
-      throw InputError({.problem = "there are results, but no rule.json that says by which rule",
-                        .suggestion = "--new-rule sets them aside and begins anew",
+      throw InputError({.problem = "there are results, but no rule.json that names their rule",
+                        .suggestion = "use --new-rule to set them aside and start again",
                         .file = directory.string()});
     set_aside(directory / "results");
     write_json(path, record);
@@ -52,11 +52,11 @@ bool record_rule(const fs::path& directory, const Rule& rule, const std::string&
     if (!new_rule) {
       const auto keys = changed_keys(before.value("rule", Json::object()), rule.json());
       throw InputError({.problem = "the suite is judged by another rule; changed: " + (keys.empty() ? std::string("the hash") : join(keys)),
-                        .suggestion = "put the rule back, or begin anew with --new-rule, which sets the old results aside; a rule that was changed after its "
+                        .suggestion = "restore the rule, or start again with --new-rule, which sets the old results aside; a rule that was changed after its "
                                       "results were seen needs a suite of another seed",
                         .file = path.string()});
     }
-    set_aside(directory / "results");  // first: results of one rule never stand beside the name of another
+    set_aside(directory / "results");  // first: results of one rule are never beside the name of another
     set_aside(path);
     write_json(path, record);
     return false;

@@ -18,9 +18,8 @@ struct RunSummary {
   std::vector<std::string> failed;  ///< names of those that could not be
 };
 
-/// Diagnoses those cases of `directory` that have no results/case_NNN/diagnosis.json. `discard_runs`: the journal of the runs goes once the diagnosis stands.
-/// `say` is called with a sentence about every case.
-/// Errors: InputError when there is no case; those of `diagnose`.
+/// Diagnoses those cases of `directory` that have no results/case_NNN/diagnosis.json. `discard_runs`: the journal of the runs is deleted once the diagnosis is
+/// finished. `say` is called with a sentence about every case. Errors: InputError when there is no case; those of `diagnose`.
 RunSummary run_suite(const std::filesystem::path& directory, const Diagnose& diagnose, bool discard_runs, const std::function<void(const std::string&)>& say);
 
 /// `calomel diagnose` as a child process, with these words after its own; what it says goes to diagnose.log beside the diagnosis.

@@ -73,9 +73,9 @@ Interval reciprocal(const Interval& i) { return {1 / i.mean, i.sd / (i.mean * i.
 /// Counts a 95 % interval, where there is one.
 void count_interval(const Interval& i, double truth, Share& covered, double& square) {
   if (!std::isfinite(i.mean) || !(i.sd > 0) || !std::isfinite(truth)) return;
-  const double pull = (i.mean - truth) / i.sd;
-  covered.add(std::abs(pull) <= half_width_95);
-  square += pull * pull;
+  const double deviation = (i.mean - truth) / i.sd;
+  covered.add(std::abs(deviation) <= half_width_95);
+  square += deviation * deviation;
 }
 
 double root_mean(double squares, std::size_t n) { return n > 0 ? std::sqrt(squares / double(n)) : 0; }
@@ -111,8 +111,8 @@ void count_coverage(const std::vector<JudgedCase>& cases, Score& s) {
       count_interval(inverse ? reciprocal(found->second) : found->second, inverse ? 1 / truth : truth, s.numbers_covered, numbers);
     }
   }
-  s.base_pull = root_mean(base, s.base_covered.of);
-  s.numbers_pull = root_mean(numbers, s.numbers_covered.of);
+  s.base_deviation = root_mean(base, s.base_covered.of);
+  s.numbers_deviation = root_mean(numbers, s.numbers_covered.of);
 }
 
 void count_recovery(const std::vector<JudgedCase>& cases, Score& s) {

@@ -78,9 +78,9 @@ struct Score {
   double brier = 0;
   std::map<std::string, std::pair<double, std::size_t>> brier_by_family;  ///< mean and cases
   std::vector<ReliabilityBin> reliability;
-  Share base_covered, base_covered_all;    ///< by 95 % intervals; where the verdict is right, and everywhere
-  Share numbers_covered;                   ///< the mechanism's, where it is named rightly
-  double base_pull = 0, numbers_pull = 0;  ///< root mean square of (mean - truth) / sd of the same
+  Share base_covered, base_covered_all;              ///< by 95 % intervals; where the verdict is right, and everywhere
+  Share numbers_covered;                             ///< the mechanism's, where it is named rightly
+  double base_deviation = 0, numbers_deviation = 0;  ///< root mean square of (mean - truth) / sd of the same
   Share heldout_improved;
   double heldout_before = 0, heldout_after = 0;  ///< means over those cases
   Share base_nearer;

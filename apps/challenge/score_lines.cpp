@@ -79,7 +79,7 @@ std::vector<std::string> score_lines(const Score& s) {
                              "the mechanism's numbers in their 95 % intervals, where it is named rightly: " + share_text(s.numbers_covered),
                              fmt::format("distance from the truth in reported standard deviations, root mean square (1 where they are right): base parameters "
                                          "{:.2f}, mechanism's numbers {:.2f}",
-                                         s.base_pull, s.numbers_pull),
+                                         s.base_deviation, s.numbers_deviation),
                              "held-out gauges improved by the name: " + share_text(s.heldout_improved)});
   if (s.heldout_improved.of > 0) lines.push_back(fmt::format("  their nrmse, mean: {:.4f} before, {:.4f} after", s.heldout_before, s.heldout_after));
   lines.push_back("base parameters nearer the truth by the name: " + share_text(s.base_nearer));
@@ -148,8 +148,8 @@ Json score_json(const Score& s, const std::vector<JudgedCase>& cases) {
        {{"base_parameters", share_json(s.base_covered)},
         {"base_parameters_all_cases", share_json(s.base_covered_all)},
         {"mechanism_numbers", share_json(s.numbers_covered)},
-        {"base_pull_rms", s.base_pull},
-        {"mechanism_pull_rms", s.numbers_pull}}},
+        {"base_pull_rms", s.base_deviation},
+        {"mechanism_pull_rms", s.numbers_deviation}}},
       {"heldout", {{"improved", share_json(s.heldout_improved)}, {"nrmse_before", s.heldout_before}, {"nrmse_after", s.heldout_after}}},
       {"base_parameters",
        {{"nearer", share_json(s.base_nearer)}, {"rms_before_handbook_sd", s.error_before}, {"rms_after_handbook_sd", s.error_after}, {"relative_rms", errors}}},

@@ -29,7 +29,7 @@ NestedFit read_nested_fit(const std::filesystem::path& directory, const std::vec
   const Json json = read_json(directory / "map.json");
   const auto status = json.value("status", "");
   if (status != "done" && status != "not_settled") refuse(options, where + " holds a fit that did not end well", "see its map.json");
-  if (!json.contains("emulator")) refuse(options, where + " holds a fit by an earlier version", "fit it anew");
+  if (!json.contains("emulator")) refuse(options, where + " has a fit by an earlier version", "repeat the fit");
   if (json.value(Json::json_pointer("/provenance/inputs/recordings"), "") != recordings)
     refuse(options, where + " holds a fit of other recordings", "both must be fitted to the same file");
   if (json.value("product", "") != options.product) refuse(options, where + " holds the product " + json.value("product", ""), "set map.product alike");

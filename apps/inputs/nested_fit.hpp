@@ -11,7 +11,7 @@ struct NestedFit {
   NestedModel model;                                  ///< name and added
   std::vector<std::pair<Eigen::Index, double>> held;  ///< added parameters at their nominal values
   std::vector<double> theta;                          ///< its mode, (n_parameters), nuisances included
-  std::vector<double> history;                        ///< what its finest mesh said there, (values)
+  std::vector<double> history;                        ///< prediction of its finest mesh there, (values)
 };
 
 /// `parameters`: of the posterior, the nuisances after the `own` ones of the case. `recordings`: hash of their file; finest: element size [m].

@@ -62,7 +62,7 @@ struct StudyCase {
   StudyOptions study;
   FieldOptions fields;
 
-  /// `stop`: becomes true when the program is asked to stop; null: never. Errors: InputError with file, line and column for whatever is wrong, a table that
+  /// `stop`: becomes true when the program is requested to stop; null: never. Errors: InputError with file, line and column for whatever is wrong, a table that
   /// nobody knows included.
   static StudyCase read(const std::filesystem::path& path, std::span<const std::string> overrides, const std::atomic<bool>* stop = nullptr);
 

@@ -49,14 +49,14 @@ void expect_strain(const StudyCase& study, const Recordings& recordings) {
            unit == "strain" ? "if they are in microstrain, write unit = \"microstrain\"" : "see whether that sample is a dropout, and write nan for it"}));
 }
 
-/// Holds what the case says of times and units against its records. Errors: those of expect_strain.
+/// Compares the times and units of the case with its records. Errors: those of expect_strain.
 void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
   if (study.capabilities().strain_gauges) expect_strain(study, recordings);
   if (recordings.time.size() < 2) return;
   const double end = recordings.time.back(), length = end - recordings.time.front();
   if (!shape.times.empty() && shape.times.back() > long_after * end)
-    warnings.push_back(fmt::format("the simulation ends at {:.4g} s and the records at {:.4g} s: what is simulated after that is compared with nothing",
-                                   shape.times.back(), end));
+    warnings.push_back(
+        fmt::format("the simulation ends at {:.4g} s and the records at {:.4g} s: the simulation after that is not compared", shape.times.back(), end));
   if (study.errors.band * length < 0.5)
     warnings.push_back(
         fmt::format("errors.band = {} Hz: the records are {:.4g} s long and hold no half period of this frequency, so that little of them is compared; from "

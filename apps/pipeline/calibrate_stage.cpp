@@ -33,7 +33,7 @@ std::vector<std::string> written_out(const std::vector<std::string>& methods) {
   return out;
 }
 
-/// METHOD.json where it stands, finished, and is what this case would give now; nothing otherwise.
+/// METHOD.json if it exists, is finished and has the identity of this case; nothing otherwise.
 std::optional<Json> finished(const StudyInputs& inputs, const std::string& method) {
   const auto path = inputs.artefact(method + ".json");
   if (!std::filesystem::exists(path)) return std::nullopt;
@@ -46,14 +46,14 @@ std::optional<Json> finished(const StudyInputs& inputs, const std::string& metho
   return same && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }
 
-/// What the method learns from, made first where it is not there; the status of the campaign. Errors in other inputs are reported before that long work.
+/// Makes the missing training data of the method; returns the status of the campaign. Errors in other inputs are reported before that long work.
 ExitStatus make_upstream(StageCall& call, const std::string& method) {
   auto& inputs = call.inputs;
   const bool emulator = takes_emulator(inputs.study(), method);
   (void)inputs.problem();
   if (method == "map" && !std::filesystem::exists(inputs.artefact("map.json"))) (void)compared_fit(inputs);
   if (method != "map" && emulator) expect_own_mesh_among_emulators(inputs.study(), method);
-  const auto status = method == "map" ? ExitStatus::done : method == "spe" ? campaign_stage(call, Asked::upstream) : train_stage(call, Asked::upstream);
+  const auto status = method == "map" ? ExitStatus::done : method == "spe" ? campaign_stage(call, Requested::upstream) : train_stage(call, Requested::upstream);
   if (emulator) need_basin(call);
   return status;
 }
@@ -71,7 +71,7 @@ ExitStatus calibrate(StageCall& call, const std::string& method) {
   auto& inputs = call.inputs;
   const auto upstream = make_upstream(call, method);
   const auto provenance = calibration_provenance(inputs, method);
-  if (!call.finished.due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {method + ".json", method + ".nc"}, Requested::by_user)) {
     inputs.notes().say(reused_line(method));
     const auto before = read_json(inputs.artefact(method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
@@ -84,7 +84,7 @@ ExitStatus calibrate(StageCall& call, const std::string& method) {
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
 }
 
-/// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
+/// Writes comparison.json from the calibrations of these recordings in --out, when there are two or more.
 void compare(const StudyInputs& inputs) {
   std::vector<MethodSummary> summaries;
   Provenance provenance = comparison_provenance(inputs);

@@ -9,7 +9,7 @@ namespace calomel {
 
 struct StageCall;
 
-/// Each of `methods` once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
+/// Runs each of `methods` once ("all" means every method); with two or more results also writes comparison.json and prints its tables.
 ExitStatus calibrate_stage(StageCall& call, const std::vector<std::string>& methods);
 
 }  // namespace calomel

@@ -13,19 +13,19 @@
 
 namespace calomel {
 
-ExitStatus campaign_stage(StageCall& call, Asked asked) {
+ExitStatus campaign_stage(StageCall& call, Requested requested) {
   auto& inputs = call.inputs;
   const auto& command = inputs.command();
   const auto& campaign = inputs.study().campaign;
   const auto provenance = campaign_provenance(inputs);
-  if (call.finished.to_be_set_aside(provenance, asked)) set_campaign_aside(command.out);
+  if (call.finished.to_be_set_aside(provenance, requested)) set_campaign_aside(command.out);
   const bool finished = std::filesystem::exists(inputs.artefact("campaign.nc"));
-  if (!finished && asked == Asked::upstream) inputs.notes().say(made_first_line("finished campaign", command.out, "running"));
+  if (!finished && requested == Requested::upstream) inputs.notes().say(made_first_line("finished campaign", command.out, "running"));
   CampaignSummary summary;
   {
     std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command.quiet || finished), std::cerr);
     FloorSource floor;
-    if (campaign.floor && inputs.study().capabilities().numerics && (asked == Asked::by_user || !finished))
+    if (campaign.floor && inputs.study().capabilities().numerics && (requested == Requested::by_user || !finished))
       floor = [&] {
         display.reset();
         need_floor(call);
@@ -37,7 +37,7 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
           inputs.simulator().shape(), campaign, command.seed, provenance, command.out, [&]() -> Runs& { return inputs.runs(); }, progress, floor);
     });
   }
-  if (asked == Asked::by_user || !finished) inputs.notes().say(campaign_line(summary));
+  if (requested == Requested::by_user || !finished) inputs.notes().say(campaign_line(summary));
   return summary.status;
 }
 

@@ -7,7 +7,7 @@ namespace calomel {
 
 struct StageCall;
 
-/// See run_campaign. `upstream` says nothing of a campaign that stands finished.
-ExitStatus campaign_stage(StageCall& call, Asked asked = Asked::by_user);
+/// See run_campaign. `upstream` prints nothing about a finished campaign.
+ExitStatus campaign_stage(StageCall& call, Requested requested = Requested::by_user);
 
 }  // namespace calomel

@@ -35,7 +35,7 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
     notes.say(not_corrected_line(method, meshes));
     return nullptr;
   }
-  if (taught_) return &*taught_;
+  if (correction_) return &*correction_;
   expect_own_mesh_among_emulators(study, method);
   const CasePosterior& made = posterior_.get(progress);
   const PosteriorFit& fit = made.fit;
@@ -61,9 +61,9 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   const bool sampled = std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == viscosity_key; });
   if (!sampled && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity)
     notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
-  taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(inputs_.simulator(), study.emulator), fine, working);
-  taught_->reservations = std::move(reservations);
-  return &*taught_;
+  correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(inputs_.simulator(), study.emulator), fine, working);
+  correction_->reservations = std::move(reservations);
+  return &*correction_;
 }
 
 }  // namespace calomel

@@ -24,7 +24,7 @@ class FittedCorrection {
  private:
   StudyInputs& inputs_;
   FittedPosterior& posterior_;
-  std::optional<MeshCorrection> taught_;
+  std::optional<MeshCorrection> correction_;
 };
 
 }  // namespace calomel

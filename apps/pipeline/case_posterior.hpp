@@ -15,7 +15,7 @@ struct CasePosterior {
 };
 
 /// Finds the basin, makes runs at the most informative points, and fits. Runs are taken from and kept in runs.journal, and every round is reported. With
-/// `nested` its parameters are held in a second posterior on the same emulator. surrogate.nc stands where the basin is sought on it. `inputs` outlives the
+/// `nested` its parameters are held in a second posterior on the same emulator. surrogate.nc exists where the basin is sought on it. `inputs` outlives the
 /// result. Errors: InputError for recordings or meshes, and naming map.compare_with where `nested` is another model's; those of fit_posterior.
 CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress& progress, const NestedFit* nested = nullptr);
 

@@ -22,7 +22,7 @@ ExitStatus diagnose_stage(StageCall& call) {
   const auto& notes = inputs.notes();
   (void)inputs.problem();
   const auto provenance = diagnosis_provenance(inputs);
-  if (!call.finished.due(provenance, {"diagnosis.json", "diagnosis.nc"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {"diagnosis.json", "diagnosis.nc"}, Requested::by_user)) {
     notes.say(reused_line("diagnose"));
     return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }

@@ -5,7 +5,7 @@
 
 namespace calomel {
 
-/// surrogate.nc and campaign.nc stand. Errors: see run_enc and FittedCorrection.
+/// surrogate.nc and campaign.nc exist. Errors: see run_enc and FittedCorrection.
 EncSummary enc_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress);
 
 }  // namespace calomel

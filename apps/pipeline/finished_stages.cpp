@@ -8,9 +8,9 @@
 
 namespace calomel {
 
-bool FinishedStages::to_be_set_aside(const Provenance& now, Asked asked) {
+bool FinishedStages::to_be_set_aside(const Provenance& now, Requested requested) {
   const bool may = fresh_ && begun_.insert(now.stage).second;
-  if (may && asked == Asked::by_user) return true;
+  if (may && requested == Requested::by_user) return true;
   try {
     return reusable(out_ / (now.stage + ".json"), now) == Reuse::nothing_there && may;
   } catch (const InputError&) {
@@ -19,8 +19,8 @@ bool FinishedStages::to_be_set_aside(const Provenance& now, Asked asked) {
   }
 }
 
-bool FinishedStages::due(const Provenance& now, const std::vector<std::string>& files, Asked asked, const std::string& unfinished) {
-  if (to_be_set_aside(now, asked)) {
+bool FinishedStages::due(const Provenance& now, const std::vector<std::string>& files, Requested requested, const std::string& unfinished) {
+  if (to_be_set_aside(now, requested)) {
     for (const auto& f : files) set_aside(out_ / f);
     if (!unfinished.empty()) set_aside(out_ / unfinished);
   }

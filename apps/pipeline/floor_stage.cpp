@@ -32,7 +32,7 @@ void floor_stage(StageCall& call) {
 
 void need_floor(StageCall& call) {
   auto& inputs = call.inputs;
-  if (!call.finished.due(floor_provenance(inputs), {"floor.json"}, Asked::upstream)) return;
+  if (!call.finished.due(floor_provenance(inputs), {"floor.json"}, Requested::upstream)) return;
   inputs.notes().say(made_first_line("repeatability floor", inputs.command().out, "measuring"));
   floor_stage(call);
 }

@@ -5,7 +5,7 @@ namespace calomel {
 
 struct StageCall;
 
-/// Measures it, run by run kept in floor.journal until floor.json stands, which is written over.
+/// Measures it, with its runs kept in the run journal, and writes floor.json.
 void floor_stage(StageCall& call);
 
 /// floor.json of this model, made first, saying so, where there is none.

@@ -9,7 +9,7 @@ namespace calomel {
 /// The fit that map.compare_with names; nothing where it names none. Errors: InputError with its place, see read_nested_fit.
 std::optional<NestedFit> compared_fit(StudyInputs& inputs);
 
-/// What need_basin makes stands. Errors: those of compared_fit, before any long work, and of fit_case_posterior.
+/// The results of need_basin exist. Errors: those of compared_fit, before any long work, and of fit_case_posterior.
 MapSummary map_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress);
 
 }  // namespace calomel

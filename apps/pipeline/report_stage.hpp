@@ -1,5 +1,5 @@
 #pragma once
-/// The report of what stands in --out: report.html, with --csv its tables.
+/// The report of the artefacts in --out: report.html, with --csv its tables.
 #include "base/errors.hpp"
 
 namespace calomel {

@@ -21,25 +21,25 @@ Json modes_json(const LogDensity& density, const std::vector<LaplaceMode>& modes
 
 Json hyperparameters_json(const std::string& why_none) { return {{"draws", 0}, {"reason", why_none}}; }
 
-Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseWidening& widening, const std::vector<std::string>& names) {
+Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseInflation& inflation, const std::vector<std::string>& names) {
   Json ratios = Json::array(), scales = Json::array(), weights = Json::array(), sds = Json::object(), alike = Json::object(), shifts = Json::object();
   for (const auto& d : drawn) ratios.push_back(d.noise_ratio), scales.push_back(number(d.scale));
-  for (const double w : widening.weights) weights.push_back(number(w));
+  for (const double w : inflation.weights) weights.push_back(number(w));
   for (std::size_t k = 0; k < names.size(); ++k) {
-    sds[names[k]] = number(widening.sd_ratio[k]);
-    alike[names[k]] = number(widening.sd_ratio_alike[k]);
-    shifts[names[k]] = number(widening.shift[k]);
+    sds[names[k]] = number(inflation.sd_ratio[k]);
+    alike[names[k]] = number(inflation.sd_ratio_alike[k]);
+    shifts[names[k]] = number(inflation.shift[k]);
   }
   return {{"draws", drawn.size()},
           {"noise_ratio", ratios},
           {"noise_scale", scales},
           {"weights", weights},
-          {"effective_draws", number(widening.effective_draws)},
+          {"effective_draws", number(inflation.effective_draws)},
           {"sd_ratio", sds},
           {"sd_ratio_alike", alike},
           {"mean_shift_sds", shifts},
-          {"plug_in_draws", number(widening.plug_in_draws)},
-          {"sentence", widening_sentence(widening, names)}};
+          {"plug_in_draws", number(inflation.plug_in_draws)},
+          {"sentence", inflation_sentence(inflation, names)}};
 }
 
 Json refinement_json(const RefinedFit& fit, int most) {

@@ -15,7 +15,7 @@ Json modes_json(const LogDensity& density, const std::vector<LaplaceMode>& modes
 Json hyperparameters_json(const std::string& why_none);
 /// {draws, noise_ratio: [draw][level], noise_scale: [draw], weights: [draw], effective_draws, sd_ratio: {name: ratio}, sd_ratio_alike: {name: ratio},
 /// mean_shift_sds: {name: shift}, plug_in_draws, sentence}.
-Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseWidening& widening, const std::vector<std::string>& names);
+Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseInflation& inflation, const std::vector<std::string>& names);
 /// {made, most, ended, checks: [{p_value, score, sentence, runs, box_drawn_in}]} of the checks that did not hold.
 Json refinement_json(const RefinedFit& fit, int most);
 /// {parameters, mean, covariance, shares: [{share, low, high, square_radius}]}.

@@ -24,7 +24,7 @@ SampledEmulator::SampledEmulator(const PosteriorInputs& in, const PosteriorFit& 
 
 Json SampledEmulator::hyperparameters(const SamplerResult& result, const std::string& why_none) const {
   if (!averaged_) return hyperparameters_json(asked_ ? "the runs carry no noise about the emulator" : why_none);
-  return hyperparameters_json(drawn_, noise_widening(*averaged_, *fit_.posterior, result.coordinates, result.quantities), result.quantities.names);
+  return hyperparameters_json(drawn_, noise_inflation(*averaged_, *fit_.posterior, result.coordinates, result.quantities), result.quantities.names);
 }
 
 Json sample_compared(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, const std::vector<std::string>& own,

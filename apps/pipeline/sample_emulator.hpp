@@ -17,7 +17,7 @@ class SampledEmulator {
   SampledEmulator(const PosteriorInputs& in, const PosteriorFit& fit, int draws, std::uint64_t seed, int threads);
 
   [[nodiscard]] const LogDensity& density() const { return averaged_ ? static_cast<const LogDensity&>(*averaged_) : plain_; }
-  /// `hyperparameters` of posterior.json; why_none: where the estimate alone was taken because it was asked for.
+  /// `hyperparameters` of posterior.json; why_none: if the estimate alone was used on request.
   [[nodiscard]] Json hyperparameters(const SamplerResult& result, const std::string& why_none) const;
 
  private:

@@ -33,7 +33,7 @@ constexpr double search_share = 0.01;                          ///< of the chain
 constexpr std::size_t fewest_points = 64, most_points = 1024;  ///< of its design
 constexpr double edge = 0.02;                                  ///< share of the bounds' distance at either end that the design leaves out
 
-/// The density, which is zero everywhere once the user asked to stop: so that a search ends.
+/// The density, which is zero everywhere once the user requested a stop: so that a search ends.
 class UntilStopped final : public LogDensity {
  public:
   explicit UntilStopped(const LogDensity& density) : density_(density) {}
@@ -81,7 +81,7 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.capabilities().log_density) return std::nullopt;
   if (study.physical())
-    throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised",
+    throw study.file.located(InputError({.problem = "an external model that is sampled by itself has no discrepancy to be marginalised",
                                          .key = "map.product",
                                          .value = "\"physical\"",
                                          .suggestion = "add a [surrogate] table, by which it is sampled on an emulator, or set product = \"tuned\""}));
@@ -90,7 +90,7 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
                     {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }
 
-/// What the records say of the model at a mode: for posterior.json, and as warnings.
+/// Information of the records on the model at a mode: for posterior.json, and as warnings.
 struct Judged {
   Json fit;
   std::vector<std::string> warnings;
@@ -100,7 +100,7 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
   const ErrorModel& errors = *posterior.errors();
   const Eigen::VectorXd prediction = errors.grid().apply(posterior.prediction(mode));
   if (!prediction.allFinite())
-    return {.fit = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
+    return {.fit = Json::object(), .warnings = {"the model returned no result at its mode, so whether it contradicts the records is unknown"}};
   const FitResidual left = residual_of(errors, prediction, std::size_t(posterior.dimension()));
   const GoodnessOfFit goodness = goodness_of_fit(left);
   Judged out{.fit = {{"mode",
@@ -108,7 +108,7 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
                        {"chi2", number(goodness.chi2)},
                        {"values", goodness.values},
                        {"covariance_shares", shares_json(errors)},
-                       {"pulls", pulls_json(left)}}},
+                       {"pulls", prior_deviations_json(left)}}},
                      {"adequate", goodness.adequate},
                      {"adequacy", goodness_sentence(goodness)}},
              .warnings = data_check_sentences(check_data(problem, errors, prediction, left), options)};
@@ -138,7 +138,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   if (wait > long_wait)
     notes.warn(
         {fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or "
-                     "ask for fewer sampler.draws",
+                     "reduce sampler.draws",
                      wait / 60, calls)});
   const auto modes = modes_of(call, posterior, density);
   const SamplerStart start = start_at_modes(modes);
@@ -178,7 +178,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
-  if (posterior.failed() > 0) notes.warn({fmt::format("the model gave no answer {} times; its density counts as zero there", posterior.failed())});
+  if (posterior.failed() > 0) notes.warn({fmt::format("the model returned no result {} times; the density counts as zero there", posterior.failed())});
   notes.warn(alarms);
   notes.warn(warnings);
   notes.say(stage_line("sample", convergence_sentence(convergence)));

@@ -3,7 +3,7 @@
 
 namespace calomel {
 
-/// sample of a model outside: its posterior, or its log density, by the model itself; posterior.nc and posterior.json.
+/// sample of an external model: its posterior, or its log density, by the model itself; posterior.nc and posterior.json.
 ExitStatus sample_model_stage(StageCall& call);
 
 }  // namespace calomel

@@ -30,7 +30,7 @@ std::vector<std::string> absorption(const std::vector<Parameter>& parameters, co
 }
 
 std::optional<ExitStatus> finished_sample(StageCall& call, const Provenance& provenance) {
-  if (call.finished.due(provenance, {"posterior.json", "posterior.nc"}, Asked::by_user, journal_name)) return std::nullopt;
+  if (call.finished.due(provenance, {"posterior.json", "posterior.nc"}, Requested::by_user, journal_name)) return std::nullopt;
   call.inputs.notes().say(reused_line("sample"));
   return read_json(call.inputs.artefact("posterior.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }

@@ -75,8 +75,8 @@ ExitStatus sample_stage(StageCall& call) {
   Json json = posterior_json(convergence, convergence_sentence(convergence), result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
   json["product"] = study.physical() ? "physical" : "tuned";
-  json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning says what would move the answer: finer meshes, for one
-  // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
+  json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning names a change that would move the result, for example finer meshes
+  // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model agrees with the emulator.
   json["chains_converged"] = convergence.converged;
   json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);

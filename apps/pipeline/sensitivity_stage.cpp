@@ -62,9 +62,9 @@ ExitStatus sensitivity_stage(StageCall& call) {
   const auto& study = inputs.study();
   const auto& command = inputs.command();
   const bool by_surrogate = !study.runs_the_model_itself();
-  const ExitStatus upstream = by_surrogate ? train_stage(call, Asked::upstream) : ExitStatus::done;
+  const ExitStatus upstream = by_surrogate ? train_stage(call, Requested::upstream) : ExitStatus::done;
   const auto provenance = sensitivity_provenance(inputs, by_surrogate);
-  if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Requested::by_user)) {
     inputs.notes().say(reused_line("sensitivity"));
     return read_json(inputs.artefact("sensitivity.json")).value("status", "done") == "done" ? upstream : ExitStatus::not_to_be_trusted;
   }
@@ -94,7 +94,7 @@ ExitStatus sensitivity_stage(StageCall& call) {
   const Sensitivity s = analyse_sensitivity(in);
   const SensitivityWords words = sensitivity_words(s, parameters.size(), in.runs ? &*in.runs : nullptr, upstream == ExitStatus::done);
   if (!by_surrogate && inputs.runs().store().lost() > 0)
-    inputs.notes().warn({fmt::format("no answer came to {} evaluations: --fresh requests these again", inputs.runs().store().lost())});
+    inputs.notes().warn({fmt::format("{} evaluations got no response: --fresh requests them again", inputs.runs().store().lost())});
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);
   write_atomically(inputs.artefact("sensitivity.csv"), sensitivity_csv(s, parameters));
   write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, words, provenance));

@@ -3,7 +3,7 @@
 
 namespace calomel {
 
-/// sensitivity: of the trained surrogate, which is made first where it is missing, or of a line or a model outside itself (a [surrogate] table asks for a
+/// sensitivity: of the trained surrogate, which is made first where it is missing, or of a line or an external model itself (a [surrogate] table requests a
 /// surrogate of these, too); sensitivity.json, .nc and .csv.
 ExitStatus sensitivity_stage(StageCall& call);
 

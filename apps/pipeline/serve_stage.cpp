@@ -15,7 +15,7 @@ namespace calomel {
 
 namespace {
 
-constexpr int most_pulses = 1000;  ///< of an ensemble that a request may ask for
+constexpr int most_pulses = 1000;  ///< of an ensemble that a request may request
 
 /// The pulses that a request's config gives; 1 where it gives none. Errors: InputError for any other key.
 int pulses_of(const Json& config) {
@@ -40,7 +40,7 @@ std::vector<double> answer_of(Prediction prediction) {
   return std::move(prediction.mean);
 }
 
-/// A case file could not say it, so the model does not take it: a negative density, for one. ranges: of the parameters' keys.
+/// Refuses values that no case file allows, for example a negative density. ranges: of the parameters' keys.
 void expect_possible(const std::vector<Parameter>& parameters, const std::vector<Range>& ranges, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
     if (!ranges[k].contains(theta[k]))
@@ -76,34 +76,34 @@ ServedModel served(StudyInputs& inputs) {
 std::vector<double> jacobian_action(const Surrogate& surrogate, const std::vector<double>& theta, const std::vector<double>& v) {
   const HistoryBasis basis = surrogate.basis();
   const Eigen::Map<const Eigen::VectorXd> direction(v.data(), Eigen::Index(v.size()));
-  const auto slope = [&](const Eigen::VectorXd& weights) {
+  const auto gradient = [&](const Eigen::VectorXd& weights) {
     return surrogate.vector_jacobian_product(theta, {weights.data(), std::size_t(weights.size())}).dot(direction);
   };
   const auto values = Eigen::Index(surrogate.shape().values());
   Eigen::VectorXd out(values);
   if (basis.empty()) {
-    for (Eigen::Index i = 0; i < values; ++i) out[i] = slope(Eigen::VectorXd::Unit(values, i));
-  } else {  // the weights D (D'D)^-1 e_j give the slope of the j-th coefficient
+    for (Eigen::Index i = 0; i < values; ++i) out[i] = gradient(Eigen::VectorXd::Unit(values, i));
+  } else {  // the weights D (D'D)^-1 e_j give the gradient of the j-th coefficient
     const Eigen::MatrixXd d = basis.directions.cast<double>();
     const Eigen::MatrixXd weights = d * inverse_symmetric(d.transpose() * d);
     Eigen::VectorXd coefficients(d.cols());
-    for (Eigen::Index j = 0; j < d.cols(); ++j) coefficients[j] = slope(weights.col(j));
+    for (Eigen::Index j = 0; j < d.cols(); ++j) coefficients[j] = gradient(weights.col(j));
     out = d * coefficients;
   }
   return {out.begin(), out.end()};
 }
 
-/// Points beyond the bounds are refused: nothing was learnt there.
+/// Points beyond the bounds are refused, because the surrogate has no training data there.
 void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
     if (const auto& p = shape.parameters[k]; theta[k] < p.min || theta[k] > p.max)
       throw InputError(
-          {.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
+          {.problem = "the surrogate is valid within its bounds only", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
 }
 
-/// Errors: InputError where the summary does not stand, or is not of this case; the seed does not matter.
+/// Errors: InputError if the summary does not exist, or is not of this case; the seed does not matter.
 void expect_of_case(const std::filesystem::path& summary, Provenance now) {
-  if (!std::filesystem::exists(summary)) throw InputError({.problem = "is not there, so that it is not known of which case it is", .file = summary.string()});
+  if (!std::filesystem::exists(summary)) throw InputError({.problem = "is missing, so the case of the surrogate is unknown", .file = summary.string()});
   now.seed = read_json(summary).value(Json::json_pointer("/provenance/seed"), now.seed);
   (void)reusable(summary, now);
 }

@@ -5,7 +5,7 @@
 
 namespace calomel {
 
-/// campaign.nc stands; further runs are taken from and kept in runs.journal. Errors: see run_spe and FittedCorrection.
+/// campaign.nc exists; further runs are taken from and kept in runs.journal. Errors: see run_spe and FittedCorrection.
 SpeSummary spe_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress);
 
 }  // namespace calomel

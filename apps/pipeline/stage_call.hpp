@@ -9,7 +9,7 @@
 namespace calomel {
 
 /// Each stage is a function of it, X_stage(call): it reuses what is finished and matches, makes first, saying so, what it needs and does not find, writes its
-/// artefacts to --out and says what came of it. Its status is done or not_to_be_trusted.
+/// artefacts to --out and prints its result. Its status is done or not_to_be_trusted.
 struct StageCall {
   /// `command` outlives the object. Errors: as StudyInputs.
   explicit StageCall(const CommandLine& command)
@@ -25,9 +25,9 @@ struct StageCall {
 /// The worse of two ends.
 inline ExitStatus worse(ExitStatus a, ExitStatus b) { return a == ExitStatus::done ? b : a; }
 
-/// Refuses an option that has nothing to do here. Errors: InputError where it is asked for.
-inline void refuse(bool asked, const char* option, const char* why) {
-  if (asked) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
+/// Refuses an option that has nothing to do here. Errors: InputError where it is requested.
+inline void refuse(bool requested, const char* option, const char* why) {
+  if (requested) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
 }
 
 }  // namespace calomel

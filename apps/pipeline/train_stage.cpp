@@ -10,17 +10,17 @@
 
 namespace calomel {
 
-ExitStatus train_stage(StageCall& call, Asked asked) {
+ExitStatus train_stage(StageCall& call, Requested requested) {
   auto& inputs = call.inputs;
   const auto& command = inputs.command();
-  const auto upstream = campaign_stage(call, Asked::upstream);
+  const auto upstream = campaign_stage(call, Requested::upstream);
   const auto provenance = train_provenance(inputs);
-  if (!call.finished.due(provenance, {"train.json", "surrogate.nc"}, asked)) {
+  if (!call.finished.due(provenance, {"train.json", "surrogate.nc"}, requested)) {
     inputs.notes().say(reused_line("train"));
     call.trained = true;
     return upstream;
   }
-  if (asked == Asked::upstream) inputs.notes().say(made_first_line("trained surrogate", command.out, "training"));
+  if (requested == Requested::upstream) inputs.notes().say(made_first_line("trained surrogate", command.out, "training"));
   const auto training = inputs.study().file.locating(
       [&] { return run_training(read_archive(inputs.artefact("campaign.nc")), inputs.study().surrogate, command.seed, command.threads); });
   training.surrogates.at(0)->save(inputs.artefact("surrogate.nc"));
@@ -35,7 +35,7 @@ void need_basin(StageCall& call) {
   if (call.trained || !basin_on_surrogate(inputs.study())) return;
   if (inputs.command().fresh || !std::filesystem::exists(inputs.artefact("surrogate.nc")))  // what is wrong with the meshes is reported before the campaign
     (void)inputs.study().file.locating([&] { return inputs.simulator().mesh_scale(meshed_runs(inputs.runs(), inputs.study().posterior_settings()).mesh(0)); });
-  (void)train_stage(call, Asked::upstream);
+  (void)train_stage(call, Requested::upstream);
 }
 
 }  // namespace calomel

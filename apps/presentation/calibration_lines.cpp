@@ -10,7 +10,7 @@ namespace calomel {
 
 namespace {
 
-/// "METHOD: SENTENCE" for those that say something.
+/// "METHOD: SENTENCE" for sentences that are not empty.
 std::vector<std::string> of_method(const std::string& method, std::span<const std::string> sentences) {
   std::vector<std::string> lines;
   for (const auto& s : sentences)
@@ -18,7 +18,7 @@ std::vector<std::string> of_method(const std::string& method, std::span<const st
   return lines;
 }
 
-/// "density -1.2 %, tensile_cutoff +3.0 %": from one answer to another.
+/// "density -1.2 %, tensile_cutoff +3.0 %": the change from one result to another.
 std::string moves_text(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to) {
   std::vector<std::string> words;
   for (std::size_t k = 0; k < from.size(); ++k)
@@ -31,20 +31,20 @@ std::string moves_text(const ModelShape& shape, const std::vector<double>& from,
 
 std::string meaning_sentence(const std::string& product) {
   if (product == "physical")
-    return "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a "
+    return "physical: handbook priors, and a discrepancy that represents omitted physics; a material property only as far as that discrepancy is a "
            "fair picture of it.";
-  return "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
-         "whatever the model leaves out, and the published objective mixes percent with strain.";
+  return "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They compensate for "
+         "whatever the model omits, and the published objective mixes percent with strain.";
 }
 
 std::string correction_sentence(const Calibration& calibration, const ModelShape& shape) {
   const CorrectionReport& m = calibration.mesh;
   if (!m.used) return "";
   std::string s = fmt::format("predictions are corrected for the mesh by {} runs of the emulator", m.runs);
-  if (!m.calibrated.empty()) s += fmt::format("; at the answer that is {:.2g} % of the histories", 100 * m.difference);
-  if (!m.without.empty()) s += "; against the answer without it: " + moves_text(shape, m.without, calibration.theta);
+  if (!m.calibrated.empty()) s += fmt::format("; at the calibrated point the correction is {:.2g} % of the histories", 100 * m.difference);
+  if (!m.without.empty()) s += "; difference from the calibration without it: " + moves_text(shape, m.without, calibration.theta);
   if (!calibration.at_nominal.inside_emulator)
-    s += "; the nominal point lies outside the emulator's box, so that its scores are surer on the case's own mesh (working_mesh)";
+    s += "; the nominal point lies outside the emulator's box, so that its scores are more reliable on the case's own mesh (working_mesh)";
   return s;
 }
 
@@ -67,7 +67,7 @@ std::string agreement_sentence(const EncAgreement& agreement, const ModelShape& 
     apart += (apart.empty() ? "" : "; ") + f.objective;
     apart += f.theta.empty() ? " has no value anywhere" : " moves " + moves_text(shape, agreement.objectives[0].theta, f.theta);
   }
-  return s + "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.";
+  return s + "The objectives disagree: " + apart + ". The result depends on the formulation of the misfit.";
 }
 
 CalibrationWords calibration_words(const Calibration& calibration, const ModelShape& shape) {
@@ -106,14 +106,14 @@ std::vector<std::string> calibration_warnings(const Calibration& c, const ModelS
     const Parameter& p = shape.parameters[k];
     const double share = (c.theta[k] - p.min) / (p.max - p.min);
     if (share < 1e-3 || share > 1 - 1e-3)
-      out.push_back(fmt::format("{} = {:.6g} sits on its {} bound: the data would have it outside, or do not determine it", p.name, c.theta[k],
+      out.push_back(fmt::format("{} = {:.6g} lies on its {} bound: its best value is beyond the bound, or the data do not determine it", p.name, c.theta[k],
                                 share < 0.5 ? "lower" : "upper"));
   }
   out.insert(out.end(), c.mesh.reservations.begin(), c.mesh.reservations.end());
   if (!c.best.inside_emulator)
     out.push_back(
-        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See "
-        "where `calomel sample` finds the parameters, and whether they are bounded too widely");
+        "the answer lies outside the box about the posterior in which the emulator knows the mesh error: its correction is that of the box's nearest point. "
+        "See where `calomel sample` finds the parameters, and whether they are bounded too widely");
   return out;
 }
 

@@ -28,7 +28,7 @@ std::vector<std::string> calibration_warnings(const Calibration& calibration, co
 /// What may be wrong with the surrogates of SPE: spaces that are too large, fits that failed, optima where runs are likely to fail.
 std::vector<std::string> surrogate_warnings(const SpeSummary& summary);
 
-/// The lines for the terminal that are a method's own, once its artefacts are written.
+/// Lines for the terminal about one method, once its artefacts exist.
 std::vector<std::string> enc_lines(const EncWords& words);
 std::vector<std::string> spe_lines(const CalibrationWords& words);
 std::vector<std::string> map_lines(const MapSummary& summary, const MapWords& words);

@@ -16,7 +16,7 @@ struct StudyCost {
   double run = 0;        ///< one run of every condition
   double campaign = 0;   ///< its ensemble means
   double floor = 0;      ///< the repeatability floor
-  double posterior = 0;  ///< the runs that the emulator of a posterior begins with; 0 where none is asked for
+  double posterior = 0;  ///< the runs that the emulator of a posterior begins with; 0 where none is requested
   double diagnosis = 0;  ///< as many as diagnosis.max_runs allows
 };
 

@@ -12,13 +12,13 @@ namespace calomel {
 
 namespace {
 
-constexpr std::size_t most_pulls = 3;  ///< that have a sentence of their own, the farthest ones
+constexpr std::size_t most_sentences = 3;  ///< one large error shifts many parameters
 
-/// A marginalised number in words.
+/// The words for a marginalised nuisance parameter.
 struct NuisanceWords {
   const char *term, *number, *key;
-  double ErrorOptions::*sd = nullptr;  ///< where it has a unit of its own
-  double shown = 1;                    ///< units in one of ErrorOptions'
+  double ErrorOptions::*sd = nullptr;  ///< null if the deviation has no unit of its own
+  double shown = 1;                    ///< shown units in one unit of ErrorOptions
   const char* unit = "";
 };
 constexpr std::array nuisance_words{
@@ -60,23 +60,23 @@ std::string nuisance_name(const std::string& term, const std::string& gauge) {
   return (w ? w->number : term) + (gauge.empty() ? "" : " of " + gauge);
 }
 
-std::vector<std::string> far_pull_sentences(const std::vector<Pull>& pulls, const ErrorOptions& errors) {
+std::vector<std::string> far_deviation_sentences(const std::vector<PriorDeviation>& deviations, const ErrorOptions& errors) {
   std::vector<std::string> sentences;
   std::size_t more = 0;
-  for (const auto& p : pulls) {
-    if (std::abs(p.pull) <= far_pull) continue;
-    if (sentences.size() == most_pulls) {
+  for (const auto& p : deviations) {
+    if (std::abs(p.deviation) <= far_deviation) continue;
+    if (sentences.size() == most_sentences) {
       ++more;
       continue;
     }
     const NuisanceWords* w = words_of(p.term);
     const std::string key = w ? fmt::format(" ({})", w->key) : "";
-    const std::string value = w && w->sd ? fmt::format(", {:+.2g} {}", p.pull * errors.*(w->sd) * w->shown, w->unit) : "";
+    const std::string value = w && w->sd ? fmt::format(", {:+.2g} {}", p.deviation * errors.*(w->sd) * w->shown, w->unit) : "";
     sentences.push_back(fmt::format(
-        "the records pull {} by {:+.1f} of its standard deviations{}{}: it is not what was said of it, or takes up something that the model leaves out",
-        nuisance_name(p.term, p.gauge), p.pull, key, value));
+        "the records shift {} by {:+.1f} of its prior standard deviations{}{}: its prior is wrong, or it compensates for an effect that the model omits",
+        nuisance_name(p.term, p.gauge), p.deviation, key, value));
   }
-  if (more > 0) sentences.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
+  if (more > 0) sentences.back() += fmt::format("; {} further nuisance parameters also deviate by more than three (mode.pulls)", more);
   return sentences;
 }
 
@@ -110,7 +110,7 @@ std::vector<std::string> data_check_sentences(const DataChecks& checks, const Er
   if (!checks.dead.empty()) all.push_back(dead_gauges_sentence(checks.dead));
   for (const auto& m : checks.mislabelled) all.push_back(mislabelled_sentence(m));
   if (checks.clock) all.push_back(clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.");
-  for (auto& nuisance : far_pull_sentences(checks.nuisances, options)) all.push_back(std::move(nuisance));
+  for (auto& nuisance : far_deviation_sentences(checks.nuisances, options)) all.push_back(std::move(nuisance));
   return all;
 }
 

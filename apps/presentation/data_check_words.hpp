@@ -18,11 +18,11 @@ namespace calomel {
 /// The warnings of a problem, then those about its dead gauges and about bands that are too narrow to count.
 [[nodiscard]] std::vector<std::string> problem_warnings(const Problem& problem);
 
-/// "the gain of T2", for a marginalised number and its gauge; without a gauge "the energy of all pulses".
+/// "the gain of T2", for a marginalised nuisance parameter and its gauge; without a gauge "the energy of all pulses".
 [[nodiscard]] std::string nuisance_name(const std::string& term, const std::string& gauge);
-/// One sentence for each pull beyond far_pull, three at most: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %:
-/// ...". The last one counts the others.
-[[nodiscard]] std::vector<std::string> far_pull_sentences(const std::vector<Pull>& pulls, const ErrorOptions& errors);
+/// One sentence for each of the at most three largest deviations beyond far_deviation: "the records shift the gain of T2 by +12.9 of its prior standard
+/// deviations (errors.gain_sd), +13 %: ...". The last one counts the others.
+[[nodiscard]] std::vector<std::string> far_deviation_sentences(const std::vector<PriorDeviation>& deviations, const ErrorOptions& errors);
 
 /// One sentence for each finding, the gravest first: dead gauges, mixed-up channels, the clock, numbers far from their priors.
 [[nodiscard]] std::vector<std::string> data_check_sentences(const DataChecks& checks, const ErrorOptions& options);

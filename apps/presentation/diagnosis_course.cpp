@@ -48,7 +48,7 @@ const char* no_effect_text = "none of its numbers changes the records by itself"
 std::string skipped_text(const SkippedStep& s) {
   switch (s.kind) {
     case SkippedStep::Kind::mechanisms:
-      return "the screening of mechanisms and all later steps: channels look mixed up";
+      return "the screening of mechanisms and all later steps: channels appear to be mixed up";
     case SkippedStep::Kind::no_effect:
       return s.name + ": " + no_effect_text;
     case SkippedStep::Kind::relinearisation:
@@ -59,7 +59,7 @@ std::string skipped_text(const SkippedStep& s) {
     case SkippedStep::Kind::search_cut_short:
       return fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit; the best fit that was found is reported", s.name, s.limit);
     case SkippedStep::Kind::missing_terms:
-      return fmt::format("the terms that describe what is missing: they take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
+      return fmt::format("the terms that describe the missing effect: they take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
     case SkippedStep::Kind::fit_ended:
       return s.name + ": " + (s.message.empty() ? run_limit_text(s.limit) : s.message);
     case SkippedStep::Kind::screening_failed:
@@ -74,8 +74,8 @@ std::vector<std::string> skipped_terms(const MissingTerms& m) {
   for (const auto& term : m.not_screened) ++reasons[term.failure.value_or(no_effect_text)];
   std::vector<std::string> all;
   for (const auto& [reason, count] : reasons)
-    all.push_back(fmt::format("the terms that describe what is missing: {} of {} were not screened: {}", count, m.offered, reason));
-  if (m.run_failure) all.push_back("the terms that describe what is missing: the run with them failed: " + *m.run_failure);
+    all.push_back(fmt::format("the terms that describe the missing effect: {} of {} were not screened: {}", count, m.offered, reason));
+  if (m.run_failure) all.push_back("the terms that describe the missing effect: the run with them failed: " + *m.run_failure);
   return all;
 }
 
@@ -116,7 +116,7 @@ struct EventText {
     return fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", e.name, e.log_bayes_factor, e.chi2,
                        e.values, e.base_chi2, e.runs);
   }
-  std::string operator()(const TermScreeningBegins&) const { return "screening of the terms that describe what is missing"; }
+  std::string operator()(const TermScreeningBegins&) const { return "screening of the terms that describe the missing effect"; }
 };
 
 }  // namespace

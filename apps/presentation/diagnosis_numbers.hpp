@@ -55,7 +55,7 @@ struct PlainNumber {
 /// The place of one mechanism; the place itself where the numbers have no ends of a stretch.
 [[nodiscard]] std::string fitted_place(const std::string& mechanism, const std::string& place, const std::vector<Estimate>& numbers);
 
-/// The change that a term stands for, "+12 ± 2 kg/m²"; a share in percent.
+/// The change that a term represents, "+12 ± 2 kg/m²"; a share in percent.
 [[nodiscard]] std::string plain_term(const MissingTerm& term);
 
 }  // namespace calomel

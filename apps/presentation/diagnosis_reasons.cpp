@@ -23,7 +23,7 @@ Why why_of_base(const Diagnosis& d, const std::string& name, const Gates& gates)
     if (d.verdict.kind == VerdictKind::unknown)
       return {"The base model does not explain the records, and no explanation that was tried passes every test.",
               "An effect that passes all tests: offer more mechanisms, or add one."};
-    return {"It stands for any cause that was not tried.", "A base model that does not explain the records, while no explanation passes the tests."};
+    return {"It represents any cause that was not tried.", "A base model that does not explain the records, while no explanation passes the tests."};
   }
   const std::string chi2 = chi2_words(base.chi2, base, gates);
   if (base.chi2 <= greatest_plausible(base, gates))
@@ -123,11 +123,11 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
       return why_too_weak(e.log_bayes_factor, g);
     case Gate::numerical:
       return {"It is no physics: a number of the simulation's discretisation explains the records.", "Finer meshes (emulator.element_sizes)."};
-    case Gate::rival:
+    case Gate::competitor:
       return {fmt::format("{} explains the records better (evidence {:.3g} against {:.3g}).", capital(best), evidence_of_name(base, all[0], g),
                           evidence_of_name(base, e, g)),
               fmt::format("Records that support it and not {}.", best)};
-    case Gate::numerical_rival:
+    case Gate::numerical_competitor:
       return {"A number of the simulation's discretisation explains the records nearly as well.", "Finer meshes (emulator.element_sizes)."};
     case Gate::explained:
     case Gate::remainder:
@@ -165,8 +165,8 @@ std::string failed_gate_text(const BaseEvidence& base, const Explanation& best, 
           name, best.log_bayes_factor);
     case Gate::numerical:
       return name + ", a number of the discretisation, explains the records better than any physics that was offered";
-    case Gate::numerical_rival:
-      return fmt::format("{}, a number of the discretisation, explains the records about as well as {}", reason.numerical_rival, name);
+    case Gate::numerical_competitor:
+      return fmt::format("{}, a number of the discretisation, explains the records about as well as {}", reason.numerical_competitor, name);
     case Gate::explained:
       return fmt::format("{} comes nearest, but explains only {:.0f} % of the base model's mismatch", name, 100 * reason.explained);
     case Gate::remainder:
@@ -195,7 +195,7 @@ std::string failed_gate_text(const BaseEvidence& base, const Explanation& best, 
     case Gate::probability:
       return fmt::format("{} comes nearest, but its probability is only {:.0f} %", name, 100 * reason.probability);
     case Gate::evidence:
-    case Gate::rival:
+    case Gate::competitor:
     case Gate::passed:
       break;
   }
@@ -222,7 +222,7 @@ std::string verdict_reason_text(const BaseEvidence& base, const std::vector<Expl
 }
 
 std::string verdict_reason_text(const Diagnosis& d, const Gates& gates) {
-  if (!d.base.mislabelled.empty()) return "channels look mixed up, and no mechanism was screened";
+  if (!d.base.mislabelled.empty()) return "channels appear to be mixed up, and no mechanism was screened";
   return verdict_reason_text(d.base.evidence, d.by_evidence(), d.verdict, gates);
 }
 

@@ -98,8 +98,8 @@ std::string one_place(const Diagnosis& d, const Gates& gates) {
 PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Gates& gates) {
   const std::string misfit = percent(d.misfits.before);
   const std::string look = fmt::format(
-      "Look first {}.{} Something outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not "
-      "take calibrated values for properties of the material.",
+      "Look first {}.{} An effect outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not "
+      "use calibrated values as properties of the material.",
       where(d.location), one_place(d, gates));
   const PlainSummary nothing{fmt::format("The simulation leaves something out (misfit {}), and none of the effects that were tried explains it.", misfit),
                              look};
@@ -125,7 +125,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
                           "physics that was tried.",
                           misfit),
               finer};
-    case Gate::numerical_rival:
+    case Gate::numerical_competitor:
       return {fmt::format("The simulation and the records differ (misfit {}). An effect, {}, would explain the difference, but the simulation's own "
                           "discretisation explains it nearly as well.",
                           misfit, name),
@@ -166,7 +166,7 @@ std::string separating_text(const std::optional<SeparatingMeasurement>& m) {
 
 std::string missing_sentence(const MissingTerms& m) {
   if (m.terms.empty())
-    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce what is missing.", m.screened);
+    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce the missing effect.", m.screened);
   std::vector<std::string> all;
   for (const auto& t : m.terms) all.push_back(fmt::format("of {} by {} {}", t.what, plain_term(t), t.place));
   const std::string change = fmt::format("What is missing acts like a change {}.", listed(all)), with = all.size() == 1 ? "it" : "them";
@@ -236,8 +236,8 @@ void add_unsettled(const Diagnosis& d, std::span<const ParameterGroup> groups, P
 /// Changes the sentences where the data are not in order, because nothing else can be done before.
 void add_data_checks(const Diagnosis& d, PlainSummary& summary) {
   if (!d.base.mislabelled.empty())
-    summary.finding =
-        fmt::format("The simulation and the records differ (misfit {}), but channels look mixed up, so no mechanism was tried.", percent(d.misfits.before));
+    summary.finding = fmt::format("The simulation and the records differ (misfit {}), but channels appear to be mixed up, so no mechanism was tried.",
+                                  percent(d.misfits.before));
   std::string checks;
   for (const auto& channel : d.base.mislabelled) checks += mislabelled_sentence(channel) + ' ';
   if (d.clock) checks += clock_sentence(*d.clock) + ' ';

@@ -36,7 +36,7 @@ std::string odds(double log_odds) { return fmt::format("odds of at least {:.2g} 
 std::string goodness_sentence(const GoodnessOfFit& g) {
   const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", g.chi2,
                                           g.values, g.parameters, g.p_value, g.effective_chi2, g.effective_data, g.effective_p_value);
-  if (!g.adequate) return "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
+  if (!g.adequate) return "the fit is not adequate: the model omits more than noise and known errors explain: " + numbers;
   const std::string fits = "the records do not contradict the fit: " + numbers;
   if (!g.errors_too_wide) return fits;
   return fits + fmt::format(
@@ -90,8 +90,8 @@ std::string score_test_sentence(const ScoreTests& tests) {
 }
 
 std::string check_sentence(const TrueModelCheck& check) {
-  if (check.runs.empty()) return "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked";
-  if (check.done == 0) return "no run of the true model came through at the posterior's draws: the emulator was not checked";
+  if (check.runs.empty()) return "no run of the true model was requested (emulator.check_coarse, check_fine): the emulator was not checked";
+  if (check.done == 0) return "no run of the true model succeeded at the posterior's draws: the emulator was not checked";
   return fmt::format(
              "{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± "
              "{:.2g}, p {:.2g})",
@@ -118,11 +118,11 @@ std::string nested_sentence(const NestedModel& n) {
 std::string refinement_end(RefinementEnd end) {
   switch (end) {
     case RefinementEnd::holds:
-      return "the true model lies where the emulator says";
+      return "the true model agrees with the emulator";
     case RefinementEnd::unchecked:
-      return "no run of the true model came through to check it by";
+      return "no run of the true model succeeded, so it was not checked";
     case RefinementEnd::none_allowed:
-      return "none was asked for (posterior.refinements)";
+      return "none was requested (posterior.refinements)";
     case RefinementEnd::limit:
       return "there are no more to be made (posterior.refinements)";
   }
@@ -142,15 +142,16 @@ std::vector<std::string> map_warnings(const MapSummary& summary, const Posterior
   if (!summary.check.holds) out.push_back(check_sentence(summary.check));
   if (!summary.fit.adequate) out.push_back(goodness_sentence(summary.fit));
   for (const auto& x : summary.nuisances)
-    if (std::abs(x.pull) > 1)
-      out.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
-                                x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
+    if (std::abs(x.deviation) > 1)
+      out.push_back(
+          fmt::format("the records shift {} to {:.3g}, {:.2g} standard deviations from its prior mean: it may compensate for an effect that the model omits",
+                      x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.deviation)));
   for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
     const Parameter& p = in.problem.shape.parameters[k];
     const double sd = std::sqrt(summary.covariance(Eigen::Index(k), Eigen::Index(k)));
     const double room = std::min(summary.theta[k] - p.min, p.max - summary.theta[k]);
     if (room < 1e-3 * (p.max - p.min))
-      out.push_back(fmt::format("{} = {:.6g} sits on a bound: the data would have it outside, or do not determine it", p.name, summary.theta[k]));
+      out.push_back(fmt::format("{} = {:.6g} lies on a bound: its best value is beyond the bound, or the data do not determine it", p.name, summary.theta[k]));
     else if (room < 2 * sd)
       out.push_back(
           fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));

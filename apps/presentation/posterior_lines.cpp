@@ -31,7 +31,7 @@ std::string emulator_sentence(const PosteriorFit& fit) { return "the emulator " 
 std::vector<std::string> setup_sentences(const SetupFindings& findings) {
   std::vector<std::string> out;
   for (const auto& name : findings.uniform_priors)
-    out.push_back(fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", name));
+    out.push_back(fmt::format("{} has a uniform prior: it can imitate an omitted effect; give it a prior from independent knowledge", name));
   if (findings.jitter_standard_errors > 0)
     out.push_back(
         fmt::format("the model does not repeat itself: two runs at nearly one point differ by {:.2g} standard errors of the records; it is fitted by an "
@@ -49,8 +49,8 @@ std::string front_sentence(double elements_per_front, double finest_size) {
 }
 
 std::string absorption_sentence(const std::string& parameter, double prior_sds) {
-  return fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", parameter,
-                     std::abs(prior_sds), prior_sds > 0 ? "above" : "below");
+  return fmt::format("{} is {:.2g} prior standard deviations {} its prior mean: it compensates for an omitted effect", parameter, std::abs(prior_sds),
+                     prior_sds > 0 ? "above" : "below");
 }
 
 std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes) {
@@ -65,11 +65,12 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
   return fmt::format("the density has {} modes: {}. Chains begin in all of them", modes.size(), places);
 }
 
-std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names) {
-  const auto most = std::size_t(std::max_element(widening.sd_ratio.begin(), widening.sd_ratio.end()) - widening.sd_ratio.begin());
+std::string inflation_sentence(const NoiseInflation& inflation, const std::vector<std::string>& names) {
+  const auto most = std::size_t(std::max_element(inflation.sd_ratio.begin(), inflation.sd_ratio.end()) - inflation.sd_ratio.begin());
   return fmt::format(
-      "averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}",
-      widening.weights.size(), widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most],
+      "averaged over {} draws of the emulator's noise ({:.1f} effective): standard deviations are {:.2f} to {:.2f} times those with its estimate alone, the "
+      "largest ratio for {}",
+      inflation.weights.size(), inflation.effective_draws, *std::min_element(inflation.sd_ratio.begin(), inflation.sd_ratio.end()), inflation.sd_ratio[most],
       names[most]);
 }
 

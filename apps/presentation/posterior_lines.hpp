@@ -23,16 +23,16 @@ std::string emulator_sentence(const PosteriorFit& fit);
 /// What the set-up of a posterior found, a sentence each.
 std::vector<std::string> setup_sentences(const SetupFindings& findings);
 
-/// Why deviations on a mesh with so few elements through the pulse's front are too small.
+/// The warning that standard deviations are too small on a mesh with so few elements through the front of the pulse.
 std::string front_sentence(double elements_per_front, double finest_size);
-/// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
+/// The sentence for a parameter whose posterior mean is `prior_sds` prior standard deviations above (negative: below) its prior mean.
 std::string absorption_sentence(const std::string& parameter, double prior_sds);
 
 /// How many modes a density has, where they lie and their shares.
 std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes);
 
-/// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
-std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
+/// The number of effective draws of the noise's hyperparameters, and the largest inflation of a standard deviation with its quantity.
+std::string inflation_sentence(const NoiseInflation& inflation, const std::vector<std::string>& names);
 /// The errors of a form of `[posterior] compare`. Errors: ContractFailure for an unknown name.
 std::string form_sentence(const std::string& form);
 /// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case has no draws of them.

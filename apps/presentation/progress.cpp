@@ -53,7 +53,7 @@ void ProgressDisplay::update(std::size_t done, std::size_t total, const std::str
   const std::size_t filled = total ? cells * std::min(done, total) / total : cells;
   std::string line = fmt::format("{} [{}{}] {}", what_, std::string(filled, '#'), std::string(cells - filled, '.'), text);
   const std::size_t width = line.size();
-  if (width < width_) line.append(width_ - width, ' ');  // over what stood there
+  if (width < width_) line.append(width_ - width, ' ');  // overwrites the previous text
   out_ << '\r' << line << std::flush;
   width_ = width;
 }

@@ -34,7 +34,7 @@ class ProgressDisplay {
   Clock clock_;
   std::optional<double> began_, shown_;
   std::size_t first_ = 0;
-  std::size_t width_ = 0;  ///< of the bar's line as it stands
+  std::size_t width_ = 0;  ///< of the present line of the bar
 };
 
 /// silent when quiet, a bar when stderr is a terminal, else lines.

@@ -58,7 +58,7 @@ std::vector<std::string> train_lines(const TrainSummary& summary) {
 }
 
 std::string resumed_line(const std::string& which, std::int64_t step, bool finished) {
-  return "simulate: " + (which.empty() ? "" : "condition " + which + ' ') + (finished ? "is finished and kept" : fmt::format("goes on from step {}", step));
+  return "simulate: " + (which.empty() ? "" : "condition " + which + ' ') + (finished ? "is finished and kept" : fmt::format("resumes from step {}", step));
 }
 
 std::string simulate_line(const Simulated& s, std::size_t values) {

@@ -13,14 +13,14 @@
 
 namespace calomel {
 
-/// "STAGE: SENTENCE": what a stage itself has to say.
+/// "STAGE: SENTENCE": a sentence about a stage.
 std::string stage_line(const std::string& stage, const std::string& sentence);
-/// Of a stage that stands finished.
+/// The line of a finished stage.
 std::string reused_line(const std::string& stage);
 /// What a stage needs is not in `out`: "no repeatability floor in OUT: measuring it first".
 std::string made_first_line(const std::string& what, const std::filesystem::path& out, const std::string& doing);
 
-/// A line each for the floor, its gauges and what stands beside it.
+/// One line each for the floor, its gauges and the other numerical errors.
 std::vector<std::string> floor_lines(const RepeatabilityFloor& floor);
 
 /// For the progress display; empty when none failed.

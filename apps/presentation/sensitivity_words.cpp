@@ -32,7 +32,7 @@ std::string evaluated_sentence(const KnownRuns* runs) {
   Eigen::Index failed = 0;
   for (Eigen::Index i = 0; i < all; ++i) failed += !runs->means.col(i).allFinite();
   std::string s = "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model";
-  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate answers there all the same", failed, all);
+  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate still predicts there", failed, all);
   return s;
 }
 
@@ -42,7 +42,7 @@ std::string sensitivity_doubt(const Sensitivity& s, bool upstream_trusted) {
         "{} of {} evaluations of the model failed, more than a fifth: the shares are of {} of {} rows of the design, those where the model has answers; narrow "
         "the bounds of the parameters to where it has",
         s.failed, s.evaluations, s.rows, s.design_rows);
-  return upstream_trusted ? "" : "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
+  return upstream_trusted ? "" : "the campaign or the surrogate is not to be trusted: campaign.json and train.json give the reason";
 }
 
 std::string total_source(const QuantitySensitivity& q) {

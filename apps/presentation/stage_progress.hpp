@@ -6,7 +6,7 @@
 
 namespace calomel {
 
-/// Progress of `stage`, on one display for each kind of work; none when quiet. Throws Interrupted when the user asked to stop.
+/// Progress of `stage`, on one display for each kind of work; none when quiet. Throws Interrupted when the user requested a stop.
 CalibrationProgress stage_progress(const std::string& stage, bool quiet);
 
 }  // namespace calomel

@@ -34,7 +34,7 @@ Html section_if_any(const std::string& id, const std::string& title, const Html&
 }  // namespace
 
 Html sections_html(const Study& study, const ReportInput& input) {
-  return section_if_any("diagnosis", "What the simulation leaves out", diagnosis_section(study, input)) +
+  return section_if_any("diagnosis", "Physics that the simulation omits", diagnosis_section(study, input)) +
          section("parameters", "Parameters", parameters_section(study, input)) + section_if_any("emulator", "Emulator and its runs", emulator_section(study)) +
          section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", histories_section(study, input)) +

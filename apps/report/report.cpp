@@ -100,7 +100,7 @@ std::vector<Table> all_tables(const Study& study, const ReportInput& input) {
           place_table(study),
           effort_table(study),
           nuisance_table(study),
-          pull_table(study),
+          prior_deviation_table(study),
           emulator_table(study),
           share_table(study),
           hypothesis_table(study),
@@ -176,7 +176,7 @@ std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path&
   std::vector<std::filesystem::path> paths;
   const auto write = [&](const std::string& name, const std::string& text) {
     const auto path = folder / (name + ".csv");
-    if (text.empty()) {  // a table of an earlier report does not stay when its stage is gone
+    if (text.empty()) {  // a table of an earlier report does not remain when its stage is gone
       std::filesystem::remove(path);
       return;
     }

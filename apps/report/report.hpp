@@ -13,7 +13,7 @@ namespace calomel {
 void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file);
 
 /// Writes out_dir/report.html from the artefacts in `out_dir` (campaign, train, simulate, enc, spe, map, posterior, diagnosis, sensitivity).
-/// A section whose artefact is missing names the command that makes it. The page loads nothing from outside and stays below 10 MB; traces and surfaces are
+/// A section whose artefact is missing names the command that makes it. The page loads nothing from outside and remains below 10 MB; traces and surfaces are
 /// thinned as far as needed. Errors: InputError when there is no artefact, when an artefact cannot be read, or when the page cannot be written.
 void write_report(const std::filesystem::path& out_dir, const ReportInput& input);
 

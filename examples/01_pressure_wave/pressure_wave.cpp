@@ -43,14 +43,17 @@ struct Column {
 // 1. Make the mesh: a column of cubes, mercury and then steel, that moves along x only.
 Column make_column(double h, double wall) {
   Column c;
-  c.h = h, c.n_m = int(std::lround(mercury_length / h)), c.n_s = int(std::lround(wall / h));
+  c.h = h;
+  c.n_m = int(std::lround(mercury_length / h));
+  c.n_s = int(std::lround(wall / h));
   const auto add_layer = [&](double x) {
     for (int corner = 0; corner < 4; ++corner) c.mesh.nodes.push_back({x, corner & 1 ? h : 0, corner & 2 ? h : 0});
   };
   const auto add_element = [&](int layer, Region region) {
     std::array<NodeId, 8> e;  // corner i + 2j + 4k: bit 0 is x, bit 1 is y, bit 2 is z
     for (int a = 0; a < 8; ++a) e[std::size_t(a)] = node_of(layer + (a & 1), a >> 1);
-    c.mesh.elements.push_back(e), c.mesh.region.push_back(region);
+    c.mesh.elements.push_back(e);
+    c.mesh.region.push_back(region);
   };
   for (int i = 0; i <= c.n_m; ++i) add_layer(i * h);
   for (int i = 0; i <= c.n_s; ++i) add_layer(mercury_length + i * h);
@@ -68,17 +71,20 @@ Column make_column(double h, double wall) {
 // has the displacement 1/K int_x^inf p dx' and the velocity p / (rho c).
 RunSetup make_setup(const Column& c, double end) {
   RunSetup s;
-  s.steel_density = steel_density, s.liquid_density = mercury_density;
+  s.steel_density = steel_density;
+  s.liquid_density = mercury_density;
   s.steel = steel;
   s.liquid = {.bulk_modulus = bulk_modulus, .tensile_cutoff = std::numeric_limits<double>::infinity(), .viscosity = 0};
-  s.initial_displacement.resize(c.mesh.nodes.size()), s.initial_velocity.resize(c.mesh.nodes.size());
+  s.initial_displacement.resize(c.mesh.nodes.size());
+  s.initial_velocity.resize(c.mesh.nodes.size());
   for (std::size_t n = 0; n < c.mesh.nodes.size(); ++n) {
     const double from_start = c.mesh.nodes[n][0] - start;
     const double area = peak * width * std::sqrt(M_PI / 2) * std::erfc(from_start / (std::sqrt(2.0) * width));
     s.initial_displacement[n][0] = area / bulk_modulus;
     s.initial_velocity[n][0] = peak * std::exp(-0.5 * from_start * from_start / (width * width)) / Z_m;
   }
-  s.end = end, s.output_interval = 1e-7;
+  s.end = end;
+  s.output_interval = 1e-7;
   return s;
 }
 
@@ -164,7 +170,8 @@ int main(int argc, char** argv) try {
       print("wave speed in the mercury", h, mercury_speed, 2 * (mercury_length - x) / (returned.time - coming.time), "m/s");
       print("wave speed in the steel", h, steel_speed, (x2 - x1) / (far.time - near.time), "m/s");
       fmt::print("{:<44} {:>5.2f} mm {:>12} {:>12.2g}\n", "energy balance error", 1e3 * h, "0", result.energy_balance_error);
-      found["R" + size] = returned.value / coming.value, found["T" + size] = near.value / coming.value;
+      found["R" + size] = returned.value / coming.value;
+      found["T" + size] = near.value / coming.value;
       found["mercury speed" + size] = 2 * (mercury_length - x) / (returned.time - coming.time);
       found["steel speed" + size] = (x2 - x1) / (far.time - near.time);
       found["energy balance error" + size] = result.energy_balance_error;
@@ -192,7 +199,9 @@ int main(int argc, char** argv) try {
       print("3 mm wall: displacement at the end", h, 1e6 * exact_outer_displacement(result.times.back(), wall), 1e6 * row(result, 1).back(), "um");
       fmt::print("{:<44} {:>5.2f} mm {:>12} {:>12.4f} %\n", "3 mm wall: pressure history, L2 error", 1e3 * h, "0", 100 * pressure);
       fmt::print("{:<44} {:>5.2f} mm {:>12} {:>12.4f} %\n\n", "3 mm wall: displacement history, L2 error", 1e3 * h, "0", 100 * motion);
-      found["lowest pressure" + size] = lowest / 1e6, found["pressure error" + size] = pressure, found["displacement error" + size] = motion;
+      found["lowest pressure" + size] = lowest / 1e6;
+      found["pressure error" + size] = pressure;
+      found["displacement error" + size] = motion;
     }
   }
   found["order of the pressure error"] = std::log2(found["pressure error at 0.5 mm"] / found["pressure error at 0.25 mm"]);

@@ -1,7 +1,7 @@
 // The records of this example, by other formulas than the library's; a measured one made ready; a diagnosis as a table.
 //
 //   line_records bar OUT.csv        two gauges of a bar: rod theory of Mindlin and Herrmann by finite differences
-//   line_records pipe OUT.csv       a closing valve: liquid that bears no tension, by finite differences
+//   line_records pipe OUT.csv       a closing valve: liquid without tensile strength, by finite differences
 //   line_records trace TRACE OUT    a digitised trace (time, pressure; in any order) -> even times of 1 ms
 //   line_records table OUT/diagnosis.json [expected.csv]
 //
@@ -79,7 +79,9 @@ std::string pipe_record() {
   RandomStream noise(5, 1);
   std::string text = "# made by examples/05_bar_and_pipe/line_records; gauge pressure at the valve\ntime,valve\n0,";
   text += fmt::format("{:.1f}\n", 1e-3 * at_valve);
-  double told = sample, mean = 0, valve = at_valve;
+  double next = sample;
+  double mean = 0;
+  double valve = at_valve;
   std::size_t count = 0;
   for (std::size_t step = 0; double(step) * dt <= end; ++step) {
     const double t = double(step) * dt, opening = std::max(0.0, 1 - t / closing);
@@ -91,10 +93,15 @@ std::string pipe_record() {
       e[i] += dt * rate;
       p[i] = std::max(vapour, steady[i] + water * wave_speed * wave_speed * e[i] + (rate > 0 ? 0.3 * water * wave_speed * dx * rate : 0.0));
     }
-    valve = p[cells - 1], mean += valve, ++count;
-    if (t + dt < told) continue;
-    text += fmt::format("{:.4f},{:.1f}\n", told, 1e-3 * mean / double(count) + 4 * noise.normal());  // the recorder takes the mean of a millisecond
-    told += sample, mean = 0, count = 0;
+    valve = p[cells - 1];
+    mean += valve;
+    ++count;
+    if (t + dt < next) continue;
+    text += fmt::format("{:.4f},{:.1f}
+", next, 1e-3 * mean / double(count) + 4 * noise.normal());  // the recorder takes the mean of a millisecond
+    next += sample;
+    mean = 0;
+    count = 0;
   }
   return text;
 }
@@ -127,7 +134,7 @@ std::string even_trace(const std::filesystem::path& path) {
 }
 
 /// What a diagnosis found, and against the numbers of a file.
-bool told(const std::filesystem::path& path, const char* expected) {
+bool print_table(const std::filesystem::path& path, const char* expected) {
   const Json d = read_json(path);
   const Json &before = d.at("fit").at("before"), &ranking = d.at("ranking");
   const std::string unit = before.at("unit");
@@ -168,7 +175,7 @@ int main(int argc, char** argv) try {
   if (verb == "bar" && argc == 3) return write_atomically(argv[2], bar_record()), 0;
   if (verb == "pipe" && argc == 3) return write_atomically(argv[2], pipe_record()), 0;
   if (verb == "trace" && argc == 4) return write_atomically(argv[3], even_trace(argv[2])), 0;
-  if (verb == "table") return told(argv[2], argc > 3 ? argv[3] : nullptr) ? 0 : 1;
+  if (verb == "table") return print_table(argv[2], argc > 3 ? argv[3] : nullptr) ? 0 : 1;
   fmt::print(
       stderr,
       "line_records bar OUT.csv\nline_records pipe OUT.csv\nline_records trace TRACE.csv OUT.csv\nline_records table OUT/diagnosis.json [expected.csv]\n");

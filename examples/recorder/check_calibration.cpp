@@ -56,7 +56,7 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
     for (const auto& row : comparison.at("parameters"))
       same = same &&
              row.at(name) == (row.at("name") == "impedance" ? summary.at("impedance").at("value") : summary.at("theta").at(row.at("name").get<std::string>()));
-    const Json::json_pointer own("/mesh/working_mesh");  // compared on the case's mesh unless all three tell the finer one's
+    const Json::json_pointer own("/mesh/working_mesh");  // compared on the case's mesh unless all three report that of the finer mesh
     const Json& scores = comparison.at("scores_on") != summary.at("scores_on") && summary.contains(own) ? summary.at(own) : summary;
     for (const char* table : {"accuracy", "mae"}) same = same && comparison.at(table).back().at(name) == scores.at(table);
     holds(same, fmt::format("comparison.json: the parameters and scores of {} are those of {}.json", name, name));
@@ -73,7 +73,7 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
   holds(read_text(out / "report.html").find("How far the calibrations lie apart") != std::string::npos, "report.html shows how far they lie apart");
 }
 
-/// The chains have converged, the true model lies where the emulator says, and the truth lies within the posterior.
+/// The chains have converged, the true model agrees with the emulator, and the truth lies within the posterior.
 void check_posterior(const std::filesystem::path& out, const std::function<double(const std::string&)>& true_value, const std::vector<std::string>& names,
                      double most_sds, Checks& holds) {
   const Json posterior = read_json(out / "posterior.json");

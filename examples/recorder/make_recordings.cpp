@@ -69,7 +69,7 @@ std::vector<double> correlated_noise(std::size_t samples, double sd, double inte
   return e;
 }
 
-/// Moves the gauges of `c` along their directions and returns the gains of their channels, which no case file tells. Their streams
+/// Moves the gauges of `c` along their directions and returns the gains of their channels, which no case file contains. Their streams
 /// are their own: neither pulses nor noise depend on them.
 std::vector<double> unknown_channels(ForwardCase& c, const ExperimentOptions& experiment) {
   RandomStream random(std::uint64_t(experiment.seed), std::uint64_t(1) << 40);
@@ -105,7 +105,7 @@ std::vector<double> true_strains(const BuiltInModel& model, const std::vector<do
 }
 
 void make_recordings(const std::string& case_path, const std::string& truth_path, const std::string& out) {
-  // 1. The experiment: the case's target with the true parameters, a finer mesh, another step, and what no case file tells.
+  // 1. The experiment: the case's target with the true parameters, a finer mesh, another step, and the facts that no case file contains.
   CaseFile truth(truth_path);
   ExperimentOptions experiment;
   truth.read("experiment", experiment);
@@ -115,7 +115,9 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   Named<int> pulses{.range = at_least(1), .doc = "recorded pulses"};
   for (const auto& p : c.parameters) parameters.of[p.name] = 0;
   for (const auto& s : c.sensors) pulses.of[s.name] = 0, noise.of[s.name] = 0;
-  truth.read("parameter", parameters), truth.read("pulses", pulses), truth.read("noise", noise);
+  truth.read("parameter", parameters);
+  truth.read("pulses", pulses);
+  truth.read("noise", noise);
   truth.expect_all_read({});
 
   std::vector<double> theta;

@@ -15,7 +15,7 @@ namespace calomel {
 
 namespace {
 
-/// Whether a finished archive of this identity stands. Errors: InputError when one of another does.
+/// Whether a finished archive of this identity exists. Errors: InputError if one of another identity exists.
 bool archive_stands(const std::filesystem::path& directory, const Provenance& provenance) {
   const auto file = directory / "campaign.nc";
   if (!std::filesystem::exists(file)) {
@@ -49,7 +49,7 @@ void write_summary(const std::filesystem::path& directory, const CampaignSummary
 }
 
 /// The floor that `source` gives, if any; why it cannot is added to `message`.
-std::optional<RepeatabilityFloor> ask(const FloorSource& source, std::string& message) {
+std::optional<RepeatabilityFloor> floor_of(const FloorSource& source, std::string& message) {
   if (!source) return std::nullopt;
   try {
     return source();
@@ -60,7 +60,7 @@ std::optional<RepeatabilityFloor> ask(const FloorSource& source, std::string& me
 }
 
 /// The floor in campaign.json, null without one: the one given, else the one that is there already.
-Json floor_to_tell(const std::optional<RepeatabilityFloor>& floor, const std::filesystem::path& summary) {
+Json floor_to_report(const std::optional<RepeatabilityFloor>& floor, const std::filesystem::path& summary) {
   if (floor) return floor_json(*floor);
   return std::filesystem::exists(summary) ? read_json(summary).value("floor", Json()) : Json();
 }
@@ -91,7 +91,7 @@ Json identity_options(const CampaignOptions& options) {
 
 Eigen::MatrixXd design_points(const std::string& design, std::span<const Parameter> parameters, std::size_t runs, std::uint64_t seed) {
   if (parameters.empty())
-    throw InputError({.problem = "a campaign needs at least one parameter to vary, the case has none",
+    throw InputError({.problem = "a campaign needs at least one parameter to vary, and the case has none",
                       .key = "parameter",
                       .suggestion = "add [parameter.NAME] with min and max"});
   Eigen::MatrixXd points = designs().get(design, "campaign.design").points(parameters.size(), runs, seed);
@@ -118,7 +118,7 @@ CampaignSummary run_campaign(const ModelShape& shape, const CampaignOptions& opt
     expect(messages.size() == count, "an archive of this identity has the runs of the options");
     judge(summary, messages, options.allowed_failures);
     summary.reused = count;
-    const Json floor = floor_to_tell(ask(floor_source, summary.message), directory / "campaign.json");
+    const Json floor = floor_to_report(floor_of(floor_source, summary.message), directory / "campaign.json");
     summary.wall_s = seconds();
     write_summary(directory, summary, options, messages, floor, provenance);
     return summary;
@@ -146,13 +146,13 @@ CampaignSummary run_campaign(const ModelShape& shape, const CampaignOptions& opt
 
   // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order.
   std::string no_floor;
-  const auto floor = ask(floor_source, no_floor);
+  const auto floor = floor_of(floor_source, no_floor);
   const auto messages = write_archive(
       directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return runs.store().read(requests[i]); }, floor ? &*floor : nullptr,
       provenance);
   judge(summary, messages, options.allowed_failures);
   if (const auto lost = std::count_if(requests.begin(), requests.end(), [&](const auto& r) { return runs.store().lost(r); }); lost > 0)
-    summary.message += fmt::format("; no answer came to {} of them: --fresh requests these again", lost);
+    summary.message += fmt::format("; {} of them got no response: --fresh requests them again", lost);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);

@@ -76,7 +76,7 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
                                            const std::filesystem::path& directory, const std::function<Runs&()>& runs, const CampaignProgress& progress = {},
                                            const FloorSource& floor = {});
 
-/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N. The runs stay in their store.
+/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N. The runs remain in their store.
 void set_campaign_aside(const std::filesystem::path& directory);
 
 }  // namespace calomel

@@ -12,10 +12,10 @@ namespace calomel {
 /// single_run_cost: of one pulse, over a mean.
 double floor_cost(const FloorOptions& options, int refinement_exponent, bool finer, double single_run_cost);
 
-/// Whether a mesh with elements of half the size stays within options.finer_elements.
+/// Whether a mesh with elements of half the size remains within options.finer_elements.
 bool finer_is_small_enough(const FloorOptions& options, const RunCost& cost);
 
-/// Runs the case's mean on jittered meshes and, on the case's own mesh, what `options` ask to be compared: single runs whose parameters are moved by up to
+/// Runs the case's mean on jittered meshes and, on the case's own mesh, the comparisons that `options` request: single runs whose parameters are moved by up to
 /// single_run_shift (of a case without parameters: the numbers that the simulator names), as their relative standard deviation; and the means with elements of
 /// half the size and in the other precision, as |other - own| / |own| in the L2 norm over the record. Deterministic in `seed`.
 /// Errors: NumericsError when fewer than three members finish; those of Runs.

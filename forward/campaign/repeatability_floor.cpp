@@ -12,7 +12,7 @@ namespace {
 
 InputError no_floor(const Json::exception& e) {
   return InputError(
-      {.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it anew: calomel check --floor", .file = "floor.json"});
+      {.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it again: calomel check --floor", .file = "floor.json"});
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ Json floor_json(const RepeatabilityFloor& floor);
 /// The floor of such a JSON. Errors: InputError when it is of another form.
 RepeatabilityFloor read_floor(const Json& json);
 
-/// Adds the floor to campaign.nc, whose dimensions `sensor` and, with several conditions, `condition` stand: floor_sd and floor_signal([condition,] sensor,
+/// Adds the floor to campaign.nc, whose dimensions `sensor` and, with several conditions, `condition` exist: floor_sd and floor_signal([condition,] sensor,
 /// window) in `units`, floor_relative and a floor_NAME for each comparison ([condition,] sensor).
 void write_floor(NetcdfWriter& file, const RepeatabilityFloor& floor, const std::string& units);
 

@@ -20,7 +20,7 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
   std::vector<Eigen::Index> chosen;
   const int runs = coarse + fine;
   for (int i = 0; i < runs; ++i) {
-    const int level = emulator.levels() > 1 && i >= fine ? 1 : 0;  // the dear ones first, where most is unknown
+    const int level = emulator.levels() > 1 && i >= fine ? 1 : 0;  // expensive runs first, where the variance is largest
     Eigen::Index best = -1;
     Eigen::MatrixXd& of_level = taken[std::size_t(level)];
     double most = -1;
@@ -33,11 +33,12 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
         best = k;
       }
     }
-    if (best < 0) continue;  // every draw has a run beside it: there is nothing more to learn here
+    if (best < 0) continue;  // every draw has a run beside it: further runs here give no information
     now = now.with_run(draws.col(best), level);
     of_level.conservativeResize(Eigen::NoChange, of_level.cols() + 1);
     of_level.col(of_level.cols() - 1) = draws.col(best);
-    chosen.push_back(best), out.level.push_back(level);
+    chosen.push_back(best);
+    out.level.push_back(level);
   }
   out.u.resize(draws.rows(), Eigen::Index(chosen.size()));
   for (std::size_t i = 0; i < chosen.size(); ++i) out.u.col(Eigen::Index(i)) = draws.col(chosen[i]);

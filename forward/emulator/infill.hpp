@@ -7,7 +7,7 @@
 namespace calomel {
 
 /// Points for `coarse` runs of level 1 (of level 0 where there is one level) and `fine` of level 0, one after another: each where the emulator's variance of
-/// the finest level is greatest among `draws` (n_parameters, n) of the box's coordinates, as the runs before it leave it. None stands within a tenth of a box
+/// the finest level is greatest among `draws` (n_parameters, n) of the box's coordinates, as the runs before it leave it. None lies within a tenth of a box
 /// of a run of its own level, whose numerical noise it would share. With one level `fine` are added to `coarse`.
 struct InfillPoints {
   Eigen::MatrixXd u;       ///< (n_parameters, runs)

@@ -40,7 +40,7 @@ Eigen::VectorXd MeshCorrection::weights(std::span<const double> theta) const {
 
 Eigen::VectorXd MeshCorrection::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {
   const Eigen::VectorXd by_feature = directions_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size()));
-  const Eigen::VectorXd u = box_.u(with(theta, fine_)), fine = clamped(u), working = clamped(box_.u(with(theta, working_))), by_u = box_.slope(u);
+  const Eigen::VectorXd u = box_.u(with(theta, fine_)), fine = clamped(u), working = clamped(box_.u(with(theta, working_))), by_u = box_.derivative(u);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(Eigen::Index(theta.size()));
   for (Eigen::Index k = 0; k < g.size(); ++k) {
     if (std::abs(u[k]) > 1) continue;

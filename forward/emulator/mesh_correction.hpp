@@ -24,7 +24,7 @@ class MeshCorrection {
                  std::vector<double> fixed_working);
 
   [[nodiscard]] bool empty() const { return directions_.size() == 0; }
-  /// What is to be said against it, by whoever made it.
+  /// Reservations about it, by its maker.
   std::vector<std::string> reservations;
   /// Runs that it was trained on.
   [[nodiscard]] Eigen::Index runs() const { return regression_.size(); }
@@ -48,7 +48,7 @@ class MeshCorrection {
   std::vector<double> fine_, working_;
 };
 
-/// model + MeshCorrection::shift, in every form in which a model is asked.
+/// model + MeshCorrection::shift, for every function of a model.
 class CorrectedModel final : public ForwardModel {
  public:
   /// Both outlive the object; an empty correction leaves the model as it is.

@@ -20,7 +20,8 @@ constexpr double shared_squares =
 EmulatorBox::EmulatorBox(std::vector<Parameter> parameters, std::span<const double> low, std::span<const double> high) : parameters_(std::move(parameters)) {
   const auto n = Eigen::Index(parameters_.size());
   expect(low.size() == parameters_.size() && high.size() == parameters_.size(), "a box has two ends for every parameter");
-  centre_.resize(n), half_width_.resize(n);
+  centre_.resize(n);
+  half_width_.resize(n);
   for (std::size_t k = 0; k < parameters_.size(); ++k) {
     const double a = parameters_[k].coordinate(low[k]), b = parameters_[k].coordinate(high[k]);
     expect(b > a, "a box is wider than a point");
@@ -41,7 +42,7 @@ std::vector<double> EmulatorBox::theta(const Eigen::VectorXd& u) const {
   return theta;
 }
 
-Eigen::VectorXd EmulatorBox::slope(const Eigen::VectorXd& u) const {
+Eigen::VectorXd EmulatorBox::derivative(const Eigen::VectorXd& u) const {
   Eigen::VectorXd s = half_width_;
   const auto t = theta(u);
   for (Eigen::Index k = 0; k < size(); ++k)

@@ -21,7 +21,7 @@ class EmulatorBox {
   [[nodiscard]] Eigen::VectorXd u(std::span<const double> theta) const;
   [[nodiscard]] std::vector<double> theta(const Eigen::VectorXd& u) const;
   /// d theta / d u, (n).
-  [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& u) const;
+  [[nodiscard]] Eigen::VectorXd derivative(const Eigen::VectorXd& u) const;
   /// Whether theta lies within, to a part in 10^9.
   [[nodiscard]] bool contains(std::span<const double> theta) const { return u(theta).cwiseAbs().maxCoeff() <= 1 + 1e-9; }
   /// The nearest point within.
@@ -32,7 +32,7 @@ class EmulatorBox {
   Eigen::VectorXd centre_, half_width_;
 };
 
-/// Runs to learn from.
+/// Training runs.
 struct EmulatorRuns {
   Eigen::MatrixXd u;       ///< (n_parameters, runs), coordinates of the box
   std::vector<int> level;  ///< (runs): 0 the finest mesh, 1 the next coarser one, ...
@@ -86,7 +86,7 @@ class MultilevelRegression {
   [[nodiscard]] Eigen::MatrixXd left_out(const Eigen::MatrixXd& outputs) const;
   /// Squares left in the residuals: runs less coefficients.
   [[nodiscard]] double freedom() const { return double(features_.cols() - features_.rows()); }
-  /// Where the runs of a level stand, (n_parameters, runs of the level).
+  /// Places of the runs of a level, (n_parameters, runs of the level).
   [[nodiscard]] Eigen::MatrixXd points(int level) const;
   /// The same and a further run at `u` of `level`: what variance() will be, whatever the run gives.
   [[nodiscard]] MultilevelRegression with_run(const Eigen::VectorXd& u, int level) const;

@@ -61,10 +61,11 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
       parts.key = at + '.' + parts.key;
       throw file.located(InputError(parts));
     }
-    m.parameters.push_back(std::move(one.parameter)), m.off.push_back(one.off);
+    m.parameters.push_back(std::move(one.parameter));
+    m.off.push_back(one.off);
   }
   if (m.parameters.empty())
-    throw file.located(InputError({.problem = "a mechanism of a model outside is a group of its inputs, and this one has none",
+    throw file.located(InputError({.problem = "a mechanism of an external model is a group of its inputs, and this group is empty",
                                    .key = path,
                                    .suggestion = fmt::format("add [{}.parameter.NAME] with off, min and max", path)}));
   return m;
@@ -115,7 +116,7 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   c.server = {.url = server.url, .name = server.name, .timeout = server.timeout, .retries = server.retries, .pause = server.pause, .config = read_config(file)};
   if (!file.has("output"))
     throw file.located(
-        InputError({.problem = "the table [output] is missing: what the model's first output block is",
+        InputError({.problem = "the table [output], which describes the model's first output block, is missing",
                     .key = "model.kind",
                     .suggestion = "add [output] with sensors = [\"A\"] and time = { start = 0.0, step = 1e-3, count = 40 }, or kind = \"log_density\""}));
   const std::vector<std::string> time{"time"};
@@ -133,7 +134,7 @@ ExternalCase ExternalCase::read(CaseFile& file) {
           {.problem = "the times of the records are missing", .key = "output", .suggestion = "add time = { start = 0.0, step = 1e-3, count = 40 }"}));
     file.read("output.time", c.time);
     if (c.output.sensors.empty())
-      throw file.located(InputError({.problem = "the model needs the names of what it records", .key = "output", .suggestion = "add sensors = [\"A\"]"}));
+      throw file.located(InputError({.problem = "the names of the recorded quantities are missing", .key = "output", .suggestion = "add sensors = [\"A\"]"}));
     std::set<std::string> names;
     for (const auto& s : c.output.sensors)
       if (!names.insert(s).second)
@@ -144,7 +145,7 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   for (const auto& p : c.parameters)
     if (file.has("parameter." + p.name + ".key"))
       throw file.located(InputError(
-          {.problem = "the inputs of a model outside have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
+          {.problem = "the inputs of an external model have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
   bind_parameters(file, c.parameters, [](const Parameter& p) -> double {
     if (p.nominal) return *p.nominal;
     if (p.prior == "normal" || p.prior == "truncated_normal") return p.mean ? *p.mean : 0.5 * (p.min + p.max);

@@ -1,5 +1,5 @@
 #pragma once
-/// The case file of a model outside of the program, `[model] kind = "umbridge"`.
+/// The case file of an external model, `[model] kind = "umbridge"`.
 #include <string>
 #include <vector>
 
@@ -20,13 +20,13 @@ struct ServerOptions {
     v("kind", kind, {.doc = "umbridge: a model behind HTTP, UM-Bridge 1.0", .choices = {"umbridge"}});
     v("url", url, {.doc = "of its server, http://HOST:PORT", .required = true});
     v("name", name, {.doc = "of the model, one of those that the server lists", .required = true});
-    v("timeout", timeout, {.unit = "s", .range = {.low = 0, .high = 1e6, .low_open = true}, .doc = "for one answer, first to last byte"});
+    v("timeout", timeout, {.unit = "s", .range = {.low = 0, .high = 1e6, .low_open = true}, .doc = "for one response, first to last byte"});
     v("retries", retries, {.range = between(0, 20), .doc = "of a request that was not answered"});
     v("pause", pause, {.unit = "s", .range = between(0, 60), .doc = "before the first retry; each further one waits twice as long, up to half a minute"});
   }
 };
 
-/// `[output] time` of a model outside.
+/// `[output] time` of an external model.
 struct OutputTime {
   double start = 0, step = 0;
   int count = 0;
@@ -45,11 +45,11 @@ struct OutputOptions {
   template <class V>
   void visit(V& v) {
     v("kind", kind, {.doc = "records: histories, sensor by sensor; log_density: one number, for samplers only", .choices = {"records", "log_density"}});
-    v("sensors", sensors, {.doc = "names of what is recorded, in the order of the block"});
+    v("sensors", sensors, {.doc = "names of the recorded quantities, in the order of the block"});
   }
 };
 
-/// `[mechanism.NAME]` of a model outside: inputs that are at their `off` values in the base model.
+/// `[mechanism.NAME]` of an external model: inputs that are at their `off` values in the base model.
 struct ExternalMechanism {
   std::string name;
   bool enabled = false;

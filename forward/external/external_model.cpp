@@ -80,7 +80,7 @@ std::vector<double> ExternalModel::inputs(std::span<const double> theta, const s
       all.push_back(number != numbers.end() ? number->second : m.off[i]);
     }
   for (const auto& [key, value] : numbers) found += key.starts_with(reading_gain + '.') || key.starts_with(reading_drift + '.');
-  if (found != numbers.size()) throw InputError({.problem = "names no input of the model outside", .value = '"' + numbers.begin()->first + '"'});
+  if (found != numbers.size()) throw InputError({.problem = "names no input of the external model", .value = '"' + numbers.begin()->first + '"'});
   for (std::size_t k = 0; k < theta.size(); ++k) all[place_[k]] = theta[k];
   return all;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A model outside of the program as a ForwardModel.
+/// An external model as a ForwardModel.
 #include "forward/external/external_case.hpp"
 #include "forward/model.hpp"
 
@@ -10,7 +10,7 @@ ModelShape shape_of(const ExternalCase& external);
 
 class ExternalModel : public ForwardModel {
  public:
-  /// Asks the server whether it is there, has the model, and takes and gives what the case says. Errors: Unreachable or NumericsError for the server's part;
+  /// Checks that the server responds, has the model, and accepts and returns the sizes of the case. Errors: Unreachable or NumericsError for the server's part;
   /// InputError naming model.name, parameter or output where the case and the model do not fit.
   explicit ExternalModel(ExternalCase external);
 

@@ -6,11 +6,11 @@ namespace calomel {
 
 std::string external_reference() {
   std::string s =
-      "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). "
+      "\n# Cases of an external model\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). "
       "The case has `[case]`, `[model]`, "
       "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a "
       "parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "
-      "has `enabled`. `[model.config]` is handed to the model as it stands.\n`[campaign]`, `[surrogate]`, `[enc]`, `[spe]`, `[map]`, `[emulator]`, `[errors]`, "
+      "has `enabled`. `[model.config]` is passed to the model unchanged.\n`[campaign]`, `[surrogate]`, `[enc]`, `[spe]`, `[map]`, `[emulator]`, `[errors]`, "
       "`[posterior]`, `[sampler]`, `[sensitivity]`, `[diagnosis]` and `[study]` are those above; errors of a mesh and of a "
       "target's gauges are 0 by default, and `errors.band` is half of the samples' frequency.\n";
   s += reference_table<ServerOptions>("[model] outside", "model", "Where the model is.");

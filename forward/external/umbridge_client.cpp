@@ -41,24 +41,24 @@ std::string shortened(const Json& value) {
 
 /// The numbers of a JSON array, or why they are none.
 Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
-  if (!list.is_array()) return {std::nullopt, "answers something that is no list of numbers"};
-  if (list.size() != size) return {std::nullopt, fmt::format("answers {} numbers where {} were announced", list.size(), size)};
+  if (!list.is_array()) return {std::nullopt, "returned something other than a list of numbers"};
+  if (list.size() != size) return {std::nullopt, fmt::format("returned {} numbers, and {} were announced", list.size(), size)};
   std::vector<double> out;
   out.reserve(size);
   for (const auto& x : list) {
-    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", shortened(x))};
+    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("returned {}, and a finite number is expected", shortened(x))};
     out.push_back(x.get<double>());
   }
   return {std::move(out), ""};
 }
 
-/// The JSON of an answer, or what is said of a body that is none. NaN and Infinity, which are no JSON, are named.
+/// The JSON of an answer, or a description of a body that is not JSON. NaN and Infinity, which are no JSON, are named.
 Answered<Json> json_of(const std::string& body) {
   Json json = shallow_json(body);
   if (!json.is_discarded()) return {std::move(json), ""};
   static const std::regex not_finite("[\\[, ](-?Infinity|NaN|nan|-?inf)[\\], ]");
-  if (std::regex_search(body.substr(0, std::size_t(1) << 16), not_finite)) return {std::nullopt, "answers NaN or Infinity where a finite number is due"};
-  return {std::nullopt, "answers what is no JSON: " + shortened(body)};
+  if (std::regex_search(body.substr(0, std::size_t(1) << 16), not_finite)) return {std::nullopt, "returned NaN or Infinity, and a finite number is expected"};
+  return {std::nullopt, "returned invalid JSON: " + shortened(body)};
 }
 
 }  // namespace
@@ -171,16 +171,16 @@ class UmbridgeClient::Connections {
       return reply;
     }
     reply.body.clear();
-    reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), reply.too_slow);
+    reply.problem = large ? "the response is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), reply.too_slow);
     return reply;
   }
 
  private:
   std::string problem_of(httplib::Error error, bool late) const {
-    if (late) return fmt::format("no whole answer within {:g} s", options_.timeout);
+    if (late) return fmt::format("no complete response within {:g} s", options_.timeout);
     if (error == httplib::Error::Connection) return "no connection";
     if (error == httplib::Error::ConnectionTimeout) return fmt::format("no connection within {:g} s", options_.connect_timeout);
-    if (error == httplib::Error::Read) return "the connection was closed before the answer was whole";
+    if (error == httplib::Error::Read) return "the connection was closed before the response was complete";
     return "the exchange broke off (" + httplib::to_string(error) + ")";
   }
 
@@ -198,8 +198,10 @@ class UmbridgeClient::Connections {
     const auto [wait, wait_us] = parts(options_.timeout + behind);
     const auto [connect, connect_us] = parts(std::min(options_.connect_timeout, options_.timeout));
     client->set_connection_timeout(connect, connect_us);
-    client->set_read_timeout(wait, wait_us), client->set_write_timeout(wait, wait_us);
-    client->set_keep_alive(true), client->set_tcp_nodelay(true);
+    client->set_read_timeout(wait, wait_us);
+    client->set_write_timeout(wait, wait_us);
+    client->set_keep_alive(true);
+    client->set_tcp_nodelay(true);
     return client;
   }
   void give_back(Deadlines::Client client) {
@@ -227,7 +229,7 @@ UmbridgeClient::UmbridgeClient(UmbridgeOptions options) : options_(std::move(opt
 
 UmbridgeClient::~UmbridgeClient() = default;
 
-Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<Json>& body) const {
+Answered<Json> UmbridgeClient::request(const std::string& path, const std::optional<Json>& body) const {
   Reply reply;
   double pause = options_.pause;
   for (int attempt = 0;; ++attempt, pause *= 2) {
@@ -242,9 +244,9 @@ Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<
     if (busy) reply.problem = fmt::format("status {}", reply.status);
     // A server that answers other questions has lost this one: then the model fails there, and the run with it.
     if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200)
-      return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem), true};
+      return {std::nullopt, fmt::format("did not respond to {} requests of {}: {}", attempt + 1, path, reply.problem), true};
     throw Unreachable(
-        fmt::format("the server {} does not answer {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
+        fmt::format("the server {} does not respond to {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
   }
   auto json = json_of(reply.body);
   if (json.value && json.value->is_object() && json.value->contains("error")) {
@@ -256,7 +258,7 @@ Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<
                                       word("type").empty() ? "an error without a type" : shortened(word("type")), shortened(word("message")))};
   }
   if (reply.status != 200) return {std::nullopt, fmt::format("refuses {} with status {}: {}", path, reply.status, shortened(reply.body))};
-  if (json.value && !json.value->is_object()) return {std::nullopt, "answers " + path + " with what is no JSON object: " + shortened(reply.body)};
+  if (json.value && !json.value->is_object()) return {std::nullopt, "returned no JSON object for " + path + ": " + shortened(reply.body)};
   return json;
 }
 
@@ -271,7 +273,7 @@ void UmbridgeClient::wait(double seconds) const {
 Json UmbridgeClient::about(const std::string& path) const {
   Json body{{"name", options_.name}};
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = path == "/Info" ? ask(path, std::nullopt) : ask(path, body);
+  auto answer = path == "/Info" ? request(path, std::nullopt) : request(path, body);
   if (!answer.value) throw NumericsError(fmt::format("the model \"{}\" at {} {}", options_.name, options_.url, answer.message));
   return std::move(*answer.value);
 }
@@ -280,7 +282,7 @@ std::vector<std::string> UmbridgeClient::models() const {
   const Json info = about("/Info");
   const auto version = info.find("protocolVersion");
   if (version == info.end() || !version->is_number() || version->get<double>() != 1.0)
-    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url,
+    throw NumericsError(fmt::format("the server {} does not report UM-Bridge 1.0 (its /Info: {})", options_.url,
                                     shortened(info.dump(-1, ' ', false, Json::error_handler_t::replace))));
   std::vector<std::string> names;
   if (const auto list = info.find("models"); list != info.end() && list->is_array())
@@ -307,7 +309,7 @@ std::vector<std::size_t> UmbridgeClient::sizes(const std::string& path, const ch
     for (const auto& x : *list)
       if (x.is_number_integer() && x.get<std::int64_t>() > 0) out.push_back(x.get<std::size_t>());
   if (!is_list || out.empty() || out.size() != list->size())
-    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path,
+    throw NumericsError(fmt::format("the model \"{}\" at {} returned no list of sizes for {}: {}", options_.name, options_.url, path,
                                     shortened(answer.dump(-1, ' ', false, Json::error_handler_t::replace))));
   return out;
 }
@@ -318,11 +320,11 @@ std::vector<std::size_t> UmbridgeClient::output_sizes() const { return sizes("/O
 Answered<Blocks> UmbridgeClient::evaluate(const Blocks& input, std::span<const std::size_t> sizes) const {
   Json body{{"name", options_.name}, {"input", input}};
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = ask("/Evaluate", body);
+  auto answer = request("/Evaluate", body);
   if (!answer.value) return {std::nullopt, answer.message, answer.lost};
   const auto output = answer.value->find("output");
-  if (output == answer.value->end() || !output->is_array()) return {std::nullopt, "answers /Evaluate without output"};
-  if (output->size() != sizes.size()) return {std::nullopt, fmt::format("answers {} output blocks where {} were announced", output->size(), sizes.size())};
+  if (output == answer.value->end() || !output->is_array()) return {std::nullopt, "returned no output for /Evaluate"};
+  if (output->size() != sizes.size()) return {std::nullopt, fmt::format("returned {} output blocks, and {} were announced", output->size(), sizes.size())};
   Blocks blocks;
   for (std::size_t b = 0; b < sizes.size(); ++b) {
     auto block = numbers_of((*output)[b], sizes[b]);
@@ -336,10 +338,10 @@ Answered<std::vector<double>> UmbridgeClient::action(const std::string& path, Js
                                                      std::size_t size) const {
   body.update({{"name", options_.name}, {"input", input}, {"outWrt", out_wrt}, {"inWrt", in_wrt}});
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = ask(path, body);
+  auto answer = request(path, body);
   if (!answer.value) return {std::nullopt, answer.message};
   const auto output = answer.value->find("output");
-  return output == answer.value->end() ? Answered<std::vector<double>>{std::nullopt, "answers " + path + " without output"} : numbers_of(*output, size);
+  return output == answer.value->end() ? Answered<std::vector<double>>{std::nullopt, "returned no output for " + path} : numbers_of(*output, size);
 }
 
 Answered<std::vector<double>> UmbridgeClient::gradient(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> sens) const {

@@ -21,11 +21,11 @@ struct UmbridgeOptions {
   double connect_timeout = 5;               ///< [s]
   int retries = 4;                          ///< of a request that was not answered
   double pause = 0.1;                       ///< before the first of them [s]; each further one is twice as long, up to half a minute
-  const std::atomic<bool>* stop = nullptr;  ///< true: no more is asked (Interrupted)
+  const std::atomic<bool>* stop = nullptr;  ///< true: no more requests are sent (Interrupted)
   Json config = Json::object();             ///< handed to the model with every request; left out where empty
 };
 
-/// What a model can be asked.
+/// Requests that a model supports.
 struct UmbridgeSupport {
   bool evaluate = false, gradient = false, apply_jacobian = false, apply_hessian = false;
 };
@@ -69,7 +69,7 @@ class UmbridgeClient {
   class Connections;
   struct Reply;
   /// One request, repeated while it is not answered. Errors: Unreachable, Interrupted.
-  [[nodiscard]] Answered<Json> ask(const std::string& path, const std::optional<Json>& body) const;
+  [[nodiscard]] Answered<Json> request(const std::string& path, const std::optional<Json>& body) const;
   void wait(double seconds) const;
   [[nodiscard]] Json about(const std::string& path) const;
   [[nodiscard]] std::vector<std::size_t> sizes(const std::string& path, const char* key) const;

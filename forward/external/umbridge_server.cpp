@@ -114,7 +114,7 @@ std::size_t index_of(const Json& body, const char* key, std::size_t size) {
 
 Json given(const std::vector<double>& values) {
   for (const double x : values)
-    if (!std::isfinite(x)) throw NumericsError("the model's answer is not finite");
+    if (!std::isfinite(x)) throw NumericsError("the model's result is not finite");
   return values;
 }
 
@@ -193,7 +193,7 @@ void UmbridgeServer::route() {
   const auto unknown_path = [](const httplib::Request& request) {
     return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))};
   };
-  // The library closes a connection when an answer cannot be written whole, and of its own accord never: what is said last says that it cannot go on.
+  // The library closes a connection when an answer cannot be written whole, and of its own accord never: the last message states that it cannot continue.
   const auto refused = [send](httplib::Response& response, const Refusal& r) {
     send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}});
     if (!r.closes) return;
@@ -204,12 +204,14 @@ void UmbridgeServer::route() {
       return false;
     });
   };
-  // The body is JSON whatever its Content-Type says, so the library must not read it as a form, which it limits to 8 KB, nor as parts of one.
+  // The body is JSON whatever its Content-Type is, so the library must not read it as a form, which it limits to 8 KB, nor as parts of one.
   // It hands out its own request, which is not const where it was made.
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
     auto& own = const_cast<httplib::Request&>(request);
     own.headers.erase("Content-Type");
-    own.headers.erase("Range"), own.ranges.clear();  // nor is a part of an answer an answer
+    // nor is a part of an answer an answer
+    own.headers.erase("Range");
+    own.ranges.clear();
     return httplib::Server::HandlerResponse::Unhandled;
   });
   // What is no JSON, NaN and Infinity included, is refused.
@@ -269,7 +271,7 @@ void UmbridgeServer::route() {
   };
   server.Post(".*", unknown).Put(".*", unknown).Patch(".*", unknown).Delete(".*", unknown);
   server.set_error_handler([refused, unknown_path](const httplib::Request& request, httplib::Response& response) {
-    if (!response.body.empty() || response.has_header("Connection")) return;  // already said
+    if (!response.body.empty() || response.has_header("Connection")) return;  // already reported
     refused(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
   });
 }
@@ -281,8 +283,10 @@ UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions opt
   server.new_task_queue = [workers] { return new httplib::ThreadPool(std::size_t(workers)); };
   server.set_payload_max_length(options_.largest_body);
   const auto seconds = time_t(options_.timeout);
-  server.set_read_timeout(seconds), server.set_write_timeout(seconds);
-  server.set_keep_alive_max_count(1000000), server.set_keep_alive_timeout(idle);
+  server.set_read_timeout(seconds);
+  server.set_write_timeout(seconds);
+  server.set_keep_alive_max_count(1000000);
+  server.set_keep_alive_timeout(idle);
   server.set_tcp_nodelay(true);
   server.set_socket_options([](socket_t socket) {  // httplib's own let two servers share a port
     const int yes = 1;

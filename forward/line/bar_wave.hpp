@@ -14,7 +14,7 @@ namespace calomel {
 /// delay.
 class BarWave {
  public:
-  /// `longest`: the longest delay that will be asked for [s].
+  /// `longest`: the longest delay that will be requested [s].
   BarWave(const Signal& drive, double longest);
 
   /// Angular frequencies [rad/s] above 0, (frequencies).

@@ -1,5 +1,5 @@
 #pragma once
-/// A round bar widens where it is pressed, and that motion across has inertia: waves disperse as the first longitudinal mode of Pochhammer and Chree has it,
+/// A round bar expands where it is pressed, and that motion across has inertia: waves disperse as the first longitudinal mode of Pochhammer and Chree has it,
 /// exact for a homogeneous elastic bar. Off: Poisson's ratio 0.
 #include "forward/line/line_mechanism.hpp"
 

@@ -20,7 +20,7 @@ struct LineKind {
   std::string kind;
   template <class V>
   void visit(V& v) {
-    v("kind", kind, {.doc = "what the waves run along", .required = true, .choices = {"bar", "pipe"}});
+    v("kind", kind, {.doc = "the kind of line", .required = true, .choices = {"bar", "pipe"}});
   }
 };
 

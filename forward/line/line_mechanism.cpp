@@ -33,7 +33,7 @@ std::vector<LineMechanism> read_line_mechanisms(CaseFile& file, const Registry<L
     m.enabled = table.enabled;
     m.values = std::move(table.values);
     if (m.enabled) continue;
-    for (const auto& k : m.entry->keys)  // offered, not part of the model: what decides stands at off, what describes as the table has it
+    for (const auto& k : m.entry->keys)  // offered, not part of the model: deciding keys have their off values, the others those of the table
       if (k.decides) {
         *m.values.find(k.name) = k.off;
         for (const auto& station : stations) m.values.forget(station + '.' + k.name);

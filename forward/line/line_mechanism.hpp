@@ -36,7 +36,7 @@ const Registry<LineMechanismEntry>& pipe_mechanisms();
 /// By `line.kind`, "bar" or "pipe".
 const Registry<LineMechanismEntry>& line_mechanisms(const std::string& kind);
 
-/// A mechanism of the case's kind of line with its values. One that is not enabled stands at its off values, so that it is not part of the model until a number
+/// A mechanism of the case's kind of line with its values. One that is not enabled has its off values, so that it is not part of the model until a number
 /// of it is set (LineModel::evaluate).
 struct LineMechanism {
   std::string name;
@@ -48,7 +48,7 @@ struct LineMechanism {
   [[nodiscard]] bool off() const;
 };
 
-/// All mechanisms of the catalogue, with what `[mechanism.*]` says. Errors: InputError for unknown names, keys and stations.
+/// All mechanisms of the catalogue, with the values of `[mechanism.*]`. Errors: InputError for unknown names, keys and stations.
 std::vector<LineMechanism> read_line_mechanisms(CaseFile& file, const Registry<LineMechanismEntry>& catalogue, std::span<const std::string> stations);
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// What a case file says of a line: a bar or a pipe, and where its histories are read.
+/// The description of a line in a case file: a bar or a pipe, and where its histories are read.
 #include <optional>
 #include <string>
 

@@ -26,7 +26,7 @@ std::string line_reference() {
   std::string s =
       "\n# Cases of a line\n\nWith `[model] kind = \"line\"` the case is a bar or a pipe, see [theory/line.md](theory/line.md). It has `[case]`, `[model]`, "
       "`[line]`, `[time]`, "
-      "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME stands for `line.NAME`) and `[recordings]` as above; `sensor_unit` is "
+      "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME means `line.NAME`) and `[recordings]` as above; `sensor_unit` is "
       "the unit of the "
       "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n`[emulator]`, `[errors]` and `[diagnosis]` are those above; errors "
       "of a mesh and of a target's gauges are 0 by default.\n";

@@ -1,6 +1,6 @@
 #pragma once
 /// What a station's channel makes of its history: y = g L2[L1[x]] with a lag of first order L1, tau dy/dt + y = x, a Butterworth low pass of second order L2,
-/// and a gain g; for all stations, or of one in its own table. Before the record stands its first value. Off: tau = 0, no low pass, g = 1.
+/// and a gain g; for all stations, or of one in its own table. Before the record the first value is used. Off: tau = 0, no low pass, g = 1.
 #include "forward/line/line_mechanism.hpp"
 
 namespace calomel {

@@ -60,7 +60,8 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
         fmt::format("the pressure behind the valve, {:.4g} Pa, is not below the steady one before it, {:.4g} Pa", s_.outlet_pressure, pressure(n - 1)));
 
   cavities_ = std::isfinite(s_.vapour_pressure);
-  cavity_.assign(n, 0.0), gas_.assign(n, 0.0);
+  cavity_.assign(n, 0.0);
+  gas_.assign(n, 0.0);
   if (cavities_ && s_.gas_fraction > 0)
     for (std::size_t i = 1; i < n; ++i) {
       cavity_[i] = s_.gas_fraction * area_ * dx_ * (i + 1 == n ? 0.5 : 1);
@@ -76,7 +77,8 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
     wall_new_ = s_.retarded_compliance * (1 - mean);
     stiffness_ = 1 + 0.5 * dt_ * (s_.retarded_compliance - wall_new_) / tau;
   }
-  retarded_.assign(n, 0.0), rate_.assign(n, 0.0);
+  retarded_.assign(n, 0.0);
+  rate_.assign(n, 0.0);
 
   unsteady_ = s_.unsteady_friction > 0 && s_.viscosity > 0;
   if (unsteady_) {
@@ -95,7 +97,8 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
     add(2 * std::exp((begin - 0.5 * h) / 2), 0);
     double u = begin;
     for (; u < end; u += h) add(h * std::exp(u / 2), std::exp(u));
-    decay_.push_back(0), weight_.push_back(2 * std::exp(-(u - 0.5 * h) / 2) / tick / (2 * std::numbers::pi));
+    decay_.push_back(0);
+    weight_.push_back(2 * std::exp(-(u - 0.5 * h) / 2) / tick / (2 * std::numbers::pi));
     const double force = s_.unsteady_friction * 16 * s_.viscosity / (s_.diameter * s_.diameter);
     for (auto& w : weight_) {
       w *= force;

@@ -70,7 +70,8 @@ PochhammerChreeMode::PochhammerChreeMode(double poisson, double greatest) {
     while (!(root = root_near(Omega_.back() + step, speed_.back() + rise * step, poisson)))
       if ((step /= 2) < shortest)
         throw NumericsError(fmt::format("the first Pochhammer-Chree mode is lost at Omega = {:.3g} (Poisson's ratio {:.4g})", Omega_.back(), poisson));
-    Omega_.push_back(Omega_.back() + step), speed_.push_back(*root);
+    Omega_.push_back(Omega_.back() + step);
+    speed_.push_back(*root);
   }
   // Slopes of the cubics from three neighbours, exact for parabolas; even in Omega at 0.
   const std::size_t n = Omega_.size();

@@ -42,7 +42,9 @@ Signal read_signal(const std::filesystem::path& path, int column, std::optional<
     if (words.size() < std::size_t(column)) throw fail(fmt::format("column {} is wanted, there are {}", column, words.size()));
     const auto value = finite_number(words[std::size_t(column - 1)]);
     if (!value) throw fail(fmt::format("a number is expected in column {}", column));
-    time.push_back(*t), signal.value.push_back(*value), lines.push_back(number);
+    time.push_back(*t);
+    signal.value.push_back(*value);
+    lines.push_back(number);
   }
   const std::size_t n = time.size();
   if (n < 4) throw InputError({.problem = "holds fewer than four samples", .file = path.string()});

@@ -21,7 +21,7 @@ struct DriveOptions {
     v("file", file, {.doc = "text file with columns of numbers, the first of them time [s]; lines of words before the numbers are a header", .required = true});
     v("column", column, {.range = between(2, 1000), .doc = "column of the record at the first gauge, counted from 1"});
     v("sample_interval", sample_interval,
-      {.unit = "s", .range = above(0), .doc = "time between samples, for a file whose times are rounded; default: as its first column says"});
+      {.unit = "s", .range = above(0), .doc = "time between samples, for a file whose times are rounded; default: from its first column"});
     v("baseline", baseline, {.unit = "s", .range = at_least(0), .doc = "length of the quiet beginning whose mean is taken off; 0 = none"});
     v("scale", scale, {.doc = "factor on the record"});
   }

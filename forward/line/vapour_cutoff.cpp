@@ -24,7 +24,7 @@ LineMechanismEntry vapour_cutoff() {
                     .greatest = 0.01,
                     .doc = "free gas over the volume, at the steady pressure; 0 = vapour alone"}},
           .plain = "vapour in the pipe where the pressure falls too far",
-          .check = "hold the lowest pressure against the vapour pressure of the liquid, and ask how much gas it held",
+          .check = "compare the lowest pressure with the vapour pressure of the liquid, and find out how much gas it contained",
           .pipe = [](const MechanismValues& v, PipeSetup& s) { s.vapour_pressure = v["pressure"], s.gas_fraction = v["gas_fraction"]; }};
 }
 

@@ -22,8 +22,8 @@ LineMechanismEntry wall_viscoelasticity() {
                     .decides = false,
                     .least = 1e-9,
                     .doc = "tau, time of retardation"}},
-          .plain = "a pipe wall that gives way with a delay",
-          .check = "ask what the pipe is made of and how it is held, for metal walls give way at once",
+          .plain = "a pipe wall that yields with a delay",
+          .check = "find out the material and the supports of the pipe; metal walls respond at once",
           .pipe = [](const MechanismValues& v, PipeSetup& s) { s.retarded_compliance = v["compliance"], s.retardation_time = v["time"]; }};
 }
 

@@ -19,7 +19,7 @@ struct KellerMiksis {
   double ambient;          ///< p_a [Pa], absolute
   double polytropic;       ///< kappa [-]
   double surface_tension;  ///< sigma [N/m]
-  double viscosity;        ///< mu, with what stands for the loss of heat [Pa s]
+  double viscosity;        ///< mu, including the loss of heat [Pa s]
 
   struct State {
     double radius;  ///< R [m]

@@ -2,7 +2,7 @@
 /// Mercury that gives way below a tensile cutoff (Riemer 2005, as quoted by Radaideh et al., section 2.2):
 ///   p = max(p0 - K e_v - eta de_v/dt, -sigma_c),  K = rho c^2,
 /// pressure p [Pa] positive in compression, volumetric strain e_v [-] positive in expansion, no shear, reversible:
-/// when e_v comes back the ordinary equation of state resumes. eta stands inside the max(), so the law is monotone and
+/// when e_v comes back the ordinary equation of state resumes. eta is inside the max(), so the law is monotone and
 /// the viscosity can only dissipate.
 #include <algorithm>
 
@@ -45,7 +45,7 @@ struct MercuryOptions {
     v("law", law, {.doc = "constitutive law of the liquid", .choices = {"riemer", "linear"}});
     v("density", density, {.unit = "kg/m^3", .range = above(0), .doc = "density of the liquid"});
     v("sound_speed", sound_speed, {.unit = "m/s", .range = at_least(0), .doc = "speed of sound in the liquid"});
-    v("tensile_cutoff", tensile_cutoff, {.unit = "Pa", .range = at_least(0), .doc = "tension at which the liquid gives way"});
+    v("tensile_cutoff", tensile_cutoff, {.unit = "Pa", .range = at_least(0), .doc = "tension at which the liquid cavitates"});
     v("regularising_viscosity", regularising_viscosity,
       {.unit = "Pa s", .range = at_least(0), .doc = "fixed viscosity eta inside the cutoff, the same for every mesh"});
     v("least_mesh_viscosity", least_mesh_viscosity, {.range = between(0, 1), .doc = "eta is at least this times rho c h, h the liquid's element size"});
@@ -57,8 +57,9 @@ struct MercuryOptions {
     v("wall_film", wall_film,
       {.unit = "m",
        .range = between(-1e-3, 1e-3),
-       .doc = "mercury that stays on a wetted wall where it gives way there: the cavity opens that far from the wall; at most 0.6 of half an element. Below 0, "
-              "for estimates alone, the wall is the lighter"});
+       .doc =
+           "mercury that remains on a wetted wall when it cavitates there: the cavity opens that far from the wall; at most 0.6 of half an element. Below 0, "
+           "for estimates alone, the wall is the lighter"});
     v("hourglass", hourglass, {.range = between(0, 1), .doc = "hourglass stiffness of the liquid relative to its dilatational stiffness"});
     v("thermal_expansion", thermal_expansion, {.unit = "1/K", .range = above(0), .doc = "volumetric expansion coefficient beta of Gamma = beta c^2 / c_p"});
     v("specific_heat", specific_heat, {.unit = "J/(kg K)", .range = above(0), .doc = "specific heat c_p of Gamma = beta c^2 / c_p"});

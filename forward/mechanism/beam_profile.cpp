@@ -23,7 +23,7 @@ MechanismKey ratio(const char* name, double low, double high, const char* doc) {
 MechanismEntry beam_profile() {
   return {.law = "offset, width, strength and length of the pulse",
           .plain = "the proton beam's profile",
-          .check = "compare the beam's position, width, charge and length with what the beam monitors read during these pulses",
+          .check = "compare the beam's position, width, charge and length with the readings of the beam monitors during these pulses",
           .keys = {{.name = "offset_y",
                     .unit = "m",
                     .off = 0,

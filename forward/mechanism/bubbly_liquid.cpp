@@ -62,7 +62,7 @@ std::shared_ptr<const LiquidLaw> bubbly_law(const MechanismValues& v, const RunS
 MechanismEntry bubbly_liquid() {
   return {.law = "p = max(p0 - K (e_v - alpha + alpha0) - eta de_v/dt, -sigma_c), alpha = alpha0 (R/R0)^3 by Keller and Miksis",
           .plain = "gas bubbles in the mercury",
-          .check = "ask whether gas was in the mercury during these pulses, injected or carried over, and how much",
+          .check = "find out whether the mercury contained gas during these pulses, injected or carried over, and how much",
           .keys = {{.name = "alpha0",
                     .unit = "",
                     .off = 0,
@@ -110,7 +110,7 @@ MechanismEntry bubbly_liquid() {
                     .decides = false,
                     .shapes = true,
                     .least = 0,
-                    .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
+                    .doc = "represents the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
           .cost = 2.5,
           .liquid = bubbly_law};
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// Small gas bubbles in the mercury, alpha0 of its volume at rest: p = max(p0 - K (e_v - alpha + alpha0) - eta de_v/dt, -sigma_c),
 /// alpha = alpha0 (R/R0)^3, R after Keller and Miksis under p. The bubbles of a point do not touch or drift, and the density
-/// stays that of the liquid: stop at alpha > 0.1. Off: alpha0 = 0 (physics.md section 3).
+/// remains that of the liquid: stop at alpha > 0.1. Off: alpha0 = 0 (physics.md section 3).
 #include "forward/material/keller_miksis.hpp"
 #include "forward/mechanism/bubble_kernel.hpp"
 #include "forward/mechanism/mechanism.hpp"

@@ -71,7 +71,7 @@ MechanismEntry cavitation_kinetics() {
               "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant, or as nuclei grow against "
               "the mercury's inertia",
           .plain = "voids in the mercury that open and close slowly",
-          .check = "see whether other records of the same mercury ask for the same times, or the same nuclei",
+          .check = "see whether other records of the same mercury require the same times, or the same nuclei",
           .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"),
                    time_constant("collapse_time", "of a void that closes"),
                    {.name = "nuclei_spacing",

@@ -82,7 +82,8 @@ void act_on_wall(const MechanismValues& v, const Mesh& mesh, const LoadOptions&,
     const SlipPair& pair = mesh.slip[p.pair];
     const Vec3 &a = areas[pair.mercury], &n = pair.normals[0];
     const double area = p.share * std::abs(a[0] * n[0] + a[1] * n[1] + a[2] * n[2]);
-    add(s.node_mass, mesh.nodes.size(), std::size_t(pair.steel), mass * area), add(s.node_damping, mesh.nodes.size(), std::size_t(pair.steel), damping * area);
+    add(s.node_mass, mesh.nodes.size(), std::size_t(pair.steel), mass * area);
+    add(s.node_damping, mesh.nodes.size(), std::size_t(pair.steel), damping * area);
     add(s.slip_drag, mesh.slip.size(), p.pair, slip * area);
   }
 }

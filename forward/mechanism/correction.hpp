@@ -1,5 +1,5 @@
 #pragma once
-/// Terms that stand for physics without a name: what a part of the mercury or a stretch of a wall would have to do beside the base model. A diagnosis that ends
+/// Terms that represent physics without a name: the additional action of a part of the mercury or of a stretch of a wall. A diagnosis that ends
 /// at "unknown" estimates the size of each, and so describes what is missing. No mechanism of a case file: mechanisms() does not list it.
 #include "forward/material/riemer.hpp"
 #include "forward/mechanism/mechanism.hpp"

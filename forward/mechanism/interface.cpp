@@ -28,9 +28,10 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
                       .suggestion = "set geometry.wetted = \"slip\""});
   const auto pairs = pairs_at_wall(mesh, stretch);
   if (pairs.empty()) throw nothing_there(stretch, "interface");
-  s.slip_strength.resize(mesh.slip.size(), infinity), s.slip_hold.resize(mesh.slip.size(), 0);
+  s.slip_strength.resize(mesh.slip.size(), infinity);
+  s.slip_hold.resize(mesh.slip.size(), 0);
   for (const PairAtWall& p : pairs) {
-    // Where the stretch ends within what a pair stands for, the rest of it holds as the mercury does.
+    // Where the stretch ends within the part of the wall of a pair, the rest of it holds as the mercury does.
     const double rest = p.share < 1 ? (1 - p.share) * s.wetted_cutoff : 0, strength = p.share * v["strength"] + rest;
     if (strength < s.slip_strength[p.pair]) {
       s.slip_strength[p.pair] = strength;

@@ -14,14 +14,14 @@ struct LeftState {
 };
 
 /// Collects such states from one long run. State k is that at t_k after the pulse, t_k = t_0 + T frac(k phi), k = 1 to `count`, with the golden ratio phi:
-/// spread over T with no period of their own. t_0 is the end of the record and half a low pass more, T three records and at least 2 ms. Each is low-passed in
+/// distributed over T without a period. t_0 is the end of the record and half a low pass more, T three records and at least 2 ms. Each is low-passed in
 /// time, so that it has no tones that have died away when the next pulse comes; a mean over time of free motions is a free motion. The mean of all is taken off
 /// each: with it goes what the heat holds at rest.
 class LeftStates {
  public:
   static constexpr std::size_t count = 64;  ///< 2 B T, which determine a motion with tones up to B = 16 kHz that is watched for T = 2 ms
 
-  /// record: how long a record is; output_interval: of the run, of which pictures are a whole number apart; highest: tones up to here stay whole, none is left
+  /// record: how long a record is; output_interval: of the run, of which pictures are a whole number apart; highest: tones up to here are kept, none is left
   /// above thrice that [Hz].
   LeftStates(double record, double output_interval, double highest = 10e3);
 

@@ -88,7 +88,7 @@ MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, con
   const std::string path = "mechanism." + name;
   if (file.has(path + ".parameter"))
     throw file.located(InputError(
-        {.problem = "only a model outside has its mechanisms' numbers here",
+        {.problem = "only an external model has its mechanisms' numbers here",
          .key = path + ".parameter",
          .suggestion = fmt::format("to fit a number write [parameter.NAME] with key = \"{}.{}\", min and max", path, keys.empty() ? "KEY" : keys[0].name)}));
   MechanismTable table{.values = MechanismValues(keys)};

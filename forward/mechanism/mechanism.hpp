@@ -25,13 +25,13 @@ namespace calomel {
 struct MechanismKey {
   std::string name;
   std::string unit;
-  double off;        ///< infinite where the law says "none"; the default of a key that does not decide
+  double off;        ///< infinite if the law has "none"; the default of a key that does not decide
   double low, high;  ///< default prior range
   bool log_uniform = false;
-  bool decides = true;  ///< the mechanism is off when every deciding key has its off value
-  bool asked = true;    ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
+  bool decides = true;   ///< the mechanism is off when every deciding key has its off value
+  bool screened = true;  ///< whether a diagnosis fits it; false: another key of the mechanism has the same effect on the records
   std::optional<int> off_centre =
-      std::nullopt;     ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of
+      std::nullopt;     ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, and a diagnosis does not screen it there
   bool shapes = false;  ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
@@ -83,7 +83,7 @@ struct MechanismEntry {
   bool needs_rear = false;     ///< it acts on a non-reflecting rear face alone, and is offered where there is one
   double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
-  /// Node places, before anything is built on the mesh (displace_nodes, thin_wall); elements, faces and slip pairs stay. Gauges are placed on what comes out.
+  /// Node places, before anything is built on the mesh (displace_nodes, thin_wall); elements, faces and slip pairs remain. Gauges are placed on what comes out.
   /// Errors: InputError on a key of its own ("fraction"), NumericsError where an element would be inverted.
   void (*mesh)(const MechanismValues&, Mesh&) = nullptr;
   /// The source. Errors: InputError when the modelled part cannot show it.
@@ -118,14 +118,14 @@ struct EnabledMechanism {
   [[nodiscard]] bool off(const std::function<double(const MechanismKey&)>& off_value) const;
 };
 
-/// What `[mechanism.*]` says.
+/// The values of `[mechanism.*]`.
 struct MechanismTables {
   std::vector<EnabledMechanism> enabled;
   std::vector<std::string> listed;  ///< all that have a table
   std::vector<std::string> notes;   ///< e.g. that a listed one is not built
 };
 
-/// What one `[mechanism.NAME]` says.
+/// The values of one `[mechanism.NAME]`.
 struct MechanismTable {
   MechanismValues values;
   bool enabled = false;

@@ -20,7 +20,7 @@ std::string prior_text(const MechanismKey& k) {
   return k.log_uniform ? "half-Cauchy about the geometric middle" : "normal";
 }
 
-/// What stands behind a key's name in its row.
+/// The text after the name of a key in its row.
 std::string cells(const MechanismKey& k) {
   if (!k.choices.empty()) return fmt::format(" |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
   return fmt::format(" | {} | {} | {} | {} | {} | {} |\n", k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high),

@@ -1,9 +1,9 @@
 #pragma once
-/// What is left of the pulses before this one: the target still moves when the record starts, and the gauges are set to zero there. The run starts from
+/// Motion that earlier pulses left in the target: it still moves when the record starts, and the gauges are set to zero there. The run starts from
 ///   u = sum_k a_k u_k,   v = sum_k a_k v_k,
-/// (u_k, v_k) the 64 states of LeftStates: what one pulse leaves at 64 times after the record's end, by the model itself with every other mechanism. All that
-/// the pulse then does it does in a target that moves: mercury gives way elsewhere, and where it has, the walls go on without it. Off: all a_k 0. (physics.md
-/// section 3 adds modes to the histories; in mercury that gives way the records differ from that sum by as much as the effect, docs/theory/mechanisms.md.)
+/// where (u_k, v_k) are the 64 states of LeftStates: the motion that one pulse leaves at 64 times after the end of the record, computed by the model with all
+/// other enabled mechanisms. The motion changes the response to the pulse, because mercury cavitates at other places and the walls are then free there. A sum
+/// of modes added to the histories would neglect this interaction, which is as large as the effect (docs/theory/mechanisms.md). Off: all a_k are 0.
 #include "forward/mechanism/mechanism.hpp"
 
 namespace calomel {

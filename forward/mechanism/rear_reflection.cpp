@@ -5,7 +5,7 @@ namespace calomel {
 MechanismEntry rear_reflection() {
   return {.law = "(1 - r) p' = (1 + r) rho c v_n at the rear face",
           .plain = "waves that come back from the rear end",
-          .check = "look at what stands behind the modelled part, whose rear end swallows every wave in the simulation",
+          .check = "look at the structure behind the modelled part, whose rear end absorbs every wave in the simulation",
           .keys = {{.name = "coefficient",
                     .unit = "",
                     .off = 0,

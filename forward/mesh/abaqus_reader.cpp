@@ -67,7 +67,7 @@ class AbaqusReader {
  public:
   explicit AbaqusReader(const std::filesystem::path& path) : in_(path) {
     mesh_.path = path;
-    if (!in_ || !std::filesystem::is_regular_file(path)) fail(0, "there is no such file", "check geometry.file; relative paths start at the case file");
+    if (!in_ || !std::filesystem::is_regular_file(path)) fail(0, "the file does not exist", "check geometry.file; relative paths start at the case file");
   }
 
   MeshFile read() {
@@ -104,7 +104,7 @@ class AbaqusReader {
   /// Keyword and parameters; a list that goes on in the next line after a comma is refused.
   Keyword parse_keyword(const std::string& text, int number) const {
     if (const auto last = text.find_last_not_of(" \t"); last != std::string::npos && text[last] == ',')
-      fail(number, "a keyword line that goes on in the next is not read", "write it in one line");
+      fail(number, "a keyword line that continues in the next line is not supported", "write it in one line");
     Keyword k;
     k.line = number;
     const auto words = split(text);
@@ -184,7 +184,7 @@ class AbaqusReader {
         fail(number, fmt::format("coordinate {} of node {} is not finite", "xyz"[k], *label), "a finite number is expected", words[1 + k]);
       x[k] = *value;
     }
-    if (!node_of_.try_emplace(*label, NodeId(mesh_.nodes.size())).second) fail(number, fmt::format("node {} is given twice", *label), "number the nodes anew");
+    if (!node_of_.try_emplace(*label, NodeId(mesh_.nodes.size())).second) fail(number, fmt::format("node {} is given twice", *label), "renumber the nodes");
     if (const auto set = keyword_.get("nset"); !set.empty()) nsets_[set].push_back({words[0], number});
     mesh_.nodes.push_back(x);
     mesh_.node_label.push_back(*label);
@@ -200,7 +200,7 @@ class AbaqusReader {
     if (pending_.size() > 9) fail(pending_line_, fmt::format("element {} has {} nodes", pending_[0], pending_.size() - 1), "", "", "8 nodes");
     if (pending_.size() < 9) return;
     if (!element_of_.try_emplace(pending_[0], std::int32_t(mesh_.elements.size())).second)
-      fail(pending_line_, fmt::format("element {} is given twice", pending_[0]), "number the elements anew");
+      fail(pending_line_, fmt::format("element {} is given twice", pending_[0]), "renumber the elements");
     std::array<std::int64_t, 8> labels{};
     std::copy(pending_.begin() + 1, pending_.end(), labels.begin());
     corners_.push_back(labels);

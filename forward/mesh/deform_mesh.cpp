@@ -14,7 +14,7 @@ namespace {
 
 using hexahedron::Point;
 
-/// Directions in which a node must not move: the span of the planes through it. 3 = it stays.
+/// Directions in which a node must not move: the span of the planes through it. 3 = it remains.
 struct Held {
   int count = 0;
   std::array<Point, 3> along;

@@ -54,7 +54,7 @@ ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mes
                                                     : nullptr;
   if (problem) {
     if (id_ >= 0) ex_close(id_);
-    throw InputError({.problem = problem, .suggestion = "begin the run anew", .file = part_.string()});
+    throw InputError({.problem = problem, .suggestion = "start the run again", .file = part_.string()});
   }
   number_elements();
 }

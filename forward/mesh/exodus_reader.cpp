@@ -17,12 +17,12 @@ class ExodusReader {
  public:
   explicit ExodusReader(const std::filesystem::path& path) {
     mesh_.path = path;
-    if (!std::filesystem::is_regular_file(path)) fail("there is no such file", "check geometry.file; relative paths start at the case file");
+    if (!std::filesystem::is_regular_file(path)) fail("the file does not exist", "check geometry.file; relative paths start at the case file");
     ex_opts(0);
     int memory = sizeof(double), disk = 0;
     float version = 0;
     id_ = ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &memory, &disk, &version);
-    if (id_ < 0) fail("this is no Exodus II file that can be read: another format, or cut short", "write it anew; Abaqus input ends in .inp");
+    if (id_ < 0) fail("this is no Exodus II file that can be read: another format, or truncated", "write it again; Abaqus input ends in .inp");
     int longest = int(ex_inquire_int(id_, EX_INQ_DB_MAX_USED_NAME_LENGTH));
     name_length_ = std::max(longest, 32);
     ex_set_max_name_length(id_, name_length_);
@@ -66,7 +66,7 @@ class ExodusReader {
   }
 
  private:
-  static constexpr const char* damaged = "the file is damaged or cut short; write it anew";
+  static constexpr const char* damaged = "the file is damaged or truncated; write it again";
 
   [[noreturn]] void fail(const std::string& problem, const std::string& suggestion) const {
     throw InputError({.problem = problem, .suggestion = suggestion, .file = mesh_.path.string()});

@@ -193,7 +193,7 @@ class Marker {
   [[nodiscard]] bool is_one_layer(const std::vector<FaceId>& faces) const {
     if (faces.size() != 2 * mesh_.elements.size()) return false;
     for (const FaceId f : faces) {
-      if (!out_.symmetric[std::size_t(f)]) continue;  // its opposite is asked in its turn
+      if (!out_.symmetric[std::size_t(f)]) continue;  // its opposite is tested in turn
       const auto& e = mesh_.elements[std::size_t(element_of(f))];
       const int step = 1 << (side_of(f) / 2);
       for (const NodeId n : face_nodes(mesh_.elements, f)) {

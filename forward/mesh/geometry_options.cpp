@@ -150,7 +150,7 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   std::sort(plan.angles.begin(), plan.angles.end());
   plan.angles.erase(std::unique(plan.angles.begin(), plan.angles.end()), plan.angles.end());
   plan.corner = std::size_t(std::find(plan.angles.begin(), plan.angles.end(), corner) - plan.angles.begin());
-  // The radial lines converge by a factor of two or three from the outer face to the core: the size asked for is met half way down the layers.
+  // The radial lines converge by a factor of two or three from the outer face to the core: the requested size is met half way down the layers.
   const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window}),
                layers = wall + (plates ? g.jet.channel + g.jet.thickness : 0);
   for (std::size_t i = 0; i + 1 < plan.angles.size(); ++i)
@@ -172,9 +172,15 @@ void GeometryOptions::validate_mesh_file() const {
     throw InputError(
         {.problem = "the key is missing and has no default for kind = \"mesh\"", .key = "file", .suggestion = "add file = \"target.exo\" or \"target.inp\""});
   const std::string does = "mesh";
-  refuse(length.has_value(), "length", does), refuse(width.has_value(), "width", does), refuse(height.has_value(), "height", does);
-  refuse(wall.has_value(), "wall", does), refuse(radius.has_value(), "radius", does), refuse(nose_radius.has_value(), "nose_radius", does);
-  refuse(window.has_value(), "window", does), refuse(element_size.has_value(), "element_size", does), refuse(wall_elements != 0, "wall_elements", does);
+  refuse(length.has_value(), "length", does);
+  refuse(width.has_value(), "width", does);
+  refuse(height.has_value(), "height", does);
+  refuse(wall.has_value(), "wall", does);
+  refuse(radius.has_value(), "radius", does);
+  refuse(nose_radius.has_value(), "nose_radius", does);
+  refuse(window.has_value(), "window", does);
+  refuse(element_size.has_value(), "element_size", does);
+  refuse(wall_elements != 0, "wall_elements", does);
   for (const char* w : {"front", "rear", "side", "top", "bottom"}) refuse(named_wall(walls, w).has_value(), std::string("walls.") + w, does);
   const auto say_with_sets = [](const char* key, const char* set) {
     throw InputError({.problem = "kind = \"mesh\" has no such key", .key = key, .suggestion = fmt::format("name the faces of the file with sets.{}", set)});
@@ -189,7 +195,9 @@ void GeometryOptions::validate() const {
   const bool bar = kind == "bar", box = kind == "box", jet_flow = kind == "jet_flow";
   if (!bar && !box && !jet_flow)
     throw InputError({.problem = "not a known shape", .key = "kind", .value = '"' + kind + '"', .range = "box, jet_flow, bar, mesh"});
-  refuse(!file.empty(), "file", kind), refuse(scale != 1, "scale", kind), refuse(merge_distance != 0, "merge_distance", kind);
+  refuse(!file.empty(), "file", kind);
+  refuse(scale != 1, "scale", kind);
+  refuse(merge_distance != 0, "merge_distance", kind);
   for (const auto& [key, names] : sets.by_key()) refuse(!names->empty(), "sets." + key, kind);
   if (!bar) refuse(radius.has_value(), "radius", kind);
   if (!jet_flow) refuse(nose_radius.has_value(), "nose_radius", kind), refuse(window.has_value(), "window", kind);
@@ -197,17 +205,22 @@ void GeometryOptions::validate() const {
     throw InputError({.problem = "the front wall of a jet_flow target is its window", .key = "walls.front", .suggestion = "set window instead"});
   if (!box) refuse(plane_strain, "plane_strain", kind);
   if (bar) {
-    refuse(width.has_value(), "width", kind), refuse(height.has_value(), "height", kind), refuse(wall.has_value(), "wall", kind);
+    refuse(width.has_value(), "width", kind);
+    refuse(height.has_value(), "height", kind);
+    refuse(wall.has_value(), "wall", kind);
     for (const char* w : {"front", "rear", "side", "top", "bottom"}) refuse(named_wall(walls, w).has_value(), std::string("walls.") + w, kind);
     refuse(half, "half", kind);
-    require(length, "length", kind), require(radius, "radius", kind);
+    require(length, "length", kind);
+    require(radius, "radius", kind);
   }
   if (box) {
-    require(length, "length", kind), require(width, "width", kind);
-    require(height, "height", kind), require(element_size, "element_size", kind);
+    require(length, "length", kind);
+    require(width, "width", kind);
+    require(height, "height", kind);
+    require(element_size, "element_size", kind);
   }
   if (wall_elements == 1)
-    throw InputError({.problem = "one element through a wall carries none of its bending", .key = "wall_elements", .value = "1", .range = "0, or at least 2"});
+    throw InputError({.problem = "one element through a wall cannot represent its bending", .key = "wall_elements", .value = "1", .range = "0, or at least 2"});
   const GeometryOptions g = resolved();
   if (!bar) {
     leave_mercury(g, *g.height, "height", {"top", "bottom"});

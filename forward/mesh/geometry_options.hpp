@@ -37,7 +37,7 @@ struct JetOptions {
   }
 };
 
-/// Names of the sets of a mesh file (kind = "mesh"); case does not matter. An empty list stands for the default.
+/// Names of the sets of a mesh file (kind = "mesh"); case does not matter. An empty list represents the default.
 struct SetOptions {
   std::vector<std::string> steel, mercury, symmetry_x, symmetry_y, symmetry_z, rear, loaded, outer;
   template <class V>
@@ -50,7 +50,7 @@ struct SetOptions {
     v("symmetry_z", symmetry_z, {.doc = "mesh: normal to z"});
     v("rear", rear, {.doc = "mesh: node or side sets of the non-reflecting mercury faces"});
     v("loaded", loaded, {.doc = "mesh: node or side sets of the faces on which an end_stress acts"});
-    v("outer", outer, {.doc = "mesh: node or side sets of the surface on which gauges may sit (default: all free steel faces)"});
+    v("outer", outer, {.doc = "mesh: node or side sets of the surface on which gauges may be placed (default: all free steel faces)"});
   }
   /// The lists by their keys.
   [[nodiscard]] std::vector<std::pair<std::string, const std::vector<std::string>*>> by_key() const {
@@ -64,7 +64,7 @@ struct SetOptions {
 struct GeometryOptions {
   std::string kind;                             ///< box | jet_flow | bar | mesh
   std::optional<double> length, width, height;  ///< outer [m]
-  std::optional<double> wall;                   ///< thickness where `walls` says nothing [m]
+  std::optional<double> wall;                   ///< thickness of walls that `walls` omits [m]
   WallOptions walls;
   std::string rear = "non_reflecting";  ///< | wall
   bool plane_strain = false;
@@ -97,7 +97,7 @@ struct GeometryOptions {
     v("height", height, {.unit = "m", .range = above(0), .doc = "outer height along z (jet_flow: 0.12)"});
     v("wall", wall, {.unit = "m", .range = above(0), .doc = "thickness of the walls that `walls` does not name (jet_flow: 0.004)"});
     v.table("walls", walls, "thicknesses of single walls");
-    v("rear", rear, {.doc = "rear end: mercury goes on behind it, or a steel wall", .choices = {"non_reflecting", "wall"}});
+    v("rear", rear, {.doc = "rear end: mercury continues behind it, or a steel wall", .choices = {"non_reflecting", "wall"}});
     v("plane_strain", plane_strain, {.doc = "box: one element across y, no side walls, no motion along y"});
     v("half", half, {.doc = "keep y >= 0 only, with a symmetry plane; gauges are mirrored into it"});
     v("quarter", quarter, {.doc = "bar: keep y >= 0 and z >= 0 only, with symmetry planes; gauges are mirrored into it"});
@@ -111,12 +111,12 @@ struct GeometryOptions {
        .doc = "longest element edge wanted; layers are divided evenly, the nose of jet_flow half way down its layers (jet_flow: 0.003, bar: radius/4)"});
     v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
     v("wetted", wetted,
-      {.doc = "steel and mercury slip along each other and part where the mercury gives way, slip and never part, or share nodes",
+      {.doc = "steel and mercury slip along each other and separate where the mercury cavitates, slip and never separate, or share nodes",
        .choices = {"slip", "no_separation", "tied"}});
     v("file", file, {.doc = "mesh: Exodus II file (.exo, .e, .g), or Abaqus input (.inp)"});
     v("scale", scale, {.range = above(0), .doc = "mesh: factor on the coordinates, 0.001 for a file in millimetres"});
     v("merge_distance", merge_distance, {.unit = "m", .range = at_least(0), .doc = "mesh: nodes nearer than this become one; 0 = none do"});
-    v.table("sets", sets, "mesh: what the sets of the file mean");
+    v.table("sets", sets, "mesh: meaning of the sets of the file");
     v("max_elements", max_elements, {.range = between(1, 3e8), .doc = "refuse a mesh of more elements than this"});
   }
 

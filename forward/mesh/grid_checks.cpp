@@ -16,7 +16,7 @@ namespace {
 
 using hexahedron::Point;
 
-/// Sets that grow together; the least member stands for each.
+/// Sets that grow together; the least member represents each set.
 class Joined {
  public:
   explicit Joined(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), NodeId{0}); }

@@ -20,7 +20,7 @@ struct LayeredLine {
     points.push_back(end);
     between.insert(between.end(), std::size_t(n), region);
   }
-  /// The same, as many as the geometry's element_size and wall_elements ask for; walls are steel.
+  /// The same, as many as the geometry's element_size and wall_elements request; walls are steel.
   void add(double end, const GeometryOptions& g, Region region) { add(end, g.divisions(end - points.back(), region == Region::steel), region); }
 };
 

@@ -45,7 +45,7 @@ void check_walls(const MeshFile& mesh, const WallLayers& walls) {
   const auto e = std::size_t(walls.first);
   throw InputError(
       {.problem = fmt::format(
-           "one element through a wall carries none of its bending: {} at x = {:.4g}, y = {:.4g}, z = {:.4g} m stands alone between two faces of the steel",
+           "one element through a wall cannot represent its bending: {} at x = {:.4g}, y = {:.4g}, z = {:.4g} m is the only one between two faces of the steel",
            mesh.element_text(e), mesh.nodes[std::size_t(mesh.elements[e][0])][0], mesh.nodes[std::size_t(mesh.elements[e][0])][1],
            mesh.nodes[std::size_t(mesh.elements[e][0])][2]),
        .range = "at least 2; 3 or more show the bending strain within 4 %",

@@ -15,7 +15,7 @@ struct SurfacePoint {
   std::array<double, 4> weights{};
   hexahedron::Point position;  ///< [m]
   hexahedron::Point normal;    ///< unit, outward
-  double distance = 0;         ///< from the point asked for [m]
+  double distance = 0;         ///< from the point requested [m]
 };
 
 /// Bounding-box tree over faces of `mesh`; both must outlive it.

@@ -1,5 +1,5 @@
 #pragma once
-/// How many elements stand through the walls of a mesh.
+/// The number of elements through the walls of a mesh.
 #include <span>
 
 #include "forward/mesh/topology.hpp"

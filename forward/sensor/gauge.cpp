@@ -11,7 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using hexahedron::Point;
 
-/// Collects weights by node, so that a node that several faces share stands in the row once.
+/// Collects weights by node, so that a node that several faces share is in the row once.
 class RowBuilder {
  public:
   void add(NodeId node, const Point& weight) {

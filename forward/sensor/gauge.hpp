@@ -23,8 +23,8 @@ struct LocatedGauge {
   Vec3 placed{};          ///< on the outer surface [m]
   Vec3 normal{};          ///< outward unit normal there
   Vec3 direction{};       ///< unit, tangential
-  double distance = 0;    ///< from the position asked for to `placed` [m]
-  bool mirrored = false;  ///< the position asked for lies in the part that is not kept
+  double distance = 0;    ///< from the position requested to `placed` [m]
+  bool mirrored = false;  ///< the position requested lies in the part that is not kept
   GaugeRow axial;         ///< strain along the direction d
   GaugeRow transverse;    ///< strain along t = n x d, at the point
   GaugeRow shear;         ///< engineering shear strain gamma_dt, at the point

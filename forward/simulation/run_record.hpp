@@ -38,7 +38,7 @@ struct RunTotal {
 inline constexpr RunTotal run_totals[] = {{"dissipated_energy", "J"}, {"time_at_cutoff", "s"}};
 inline constexpr std::size_t run_total_count = std::size(run_totals);
 
-/// The record of a prediction. A prediction of the wrong size or with a value that is not finite is a failed run whose message says which.
+/// The record of a prediction. A prediction of the wrong size or with a value that is not finite is a failed run whose message gives the reason.
 /// keep_pulses: whether the single pulses are recorded. `shape` is that of the model.
 RunRecord record_of(const ModelShape& shape, Prediction prediction, bool keep_pulses);
 /// The model at `theta`, (n_parameters). An exception in the run becomes the record's message.

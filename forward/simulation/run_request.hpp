@@ -33,7 +33,7 @@ struct MeshJitter {
   bool operator==(const MeshJitter&) const = default;
 };
 
-/// Where and how the true model is run. A member that is left out keeps what the case says.
+/// Where and how the true model is run. A member that is left out keeps the value of the case.
 struct RunRequest {
   std::map<std::string, double> numbers;  ///< values by the dotted key of the case, e.g. "material.mercury.density": parameters and any further numbers
   std::optional<double> element_size;     ///< of another mesh [m]; 0: the case's own mesh. The mesh then no longer decides the regularising viscosity

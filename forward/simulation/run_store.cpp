@@ -75,7 +75,7 @@ void rewrite_first_version(const Provenance& provenance, const std::filesystem::
       const RunRequest request = request_of_first(in.text());
       (void)next.append(payload_of(run_text(request), request.wanted, record_of(in.rest())));
     });
-  } catch (...) {  // another case's journal, or one in use, stays as it is
+  } catch (...) {  // the journal of another case, or one in use, is not changed
     std::filesystem::remove(rewritten);
     throw;
   }

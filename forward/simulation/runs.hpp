@@ -47,7 +47,7 @@ class Runs {
   std::atomic<std::size_t> made_ = 0, reused_ = 0, failed_ = 0;
 };
 
-/// A copy of each request that asks for these outputs.
+/// A copy of each request that requests these outputs.
 std::vector<RunRequest> wanting(std::span<const RunRequest> requests, const Outputs& wanted);
 
 }  // namespace calomel

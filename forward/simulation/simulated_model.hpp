@@ -6,7 +6,7 @@ namespace calomel {
 
 class SimulatedModel final : public ForwardModel {
  public:
-  /// `kept`: whether runs go through the store; else each is made anew in double precision, as a chain needs them. `runs` outlives the object.
+  /// `kept`: whether runs go through the store; else each is made again in double precision, as a chain needs them. `runs` outlives the object.
   explicit SimulatedModel(Runs& runs, bool kept = true, Runs::Progress progress = {}) : runs_(runs), kept_(kept), progress_(std::move(progress)) {}
 
   [[nodiscard]] const ModelShape& shape() const override { return runs_.simulator().shape(); }

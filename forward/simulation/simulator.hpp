@@ -24,7 +24,7 @@ namespace calomel {
 struct LocatedGauge;
 struct Mesh;
 
-/// What a model can do beside runs for the mean. No other code asks for the kind of a model.
+/// What a model can do beside runs for the mean. No other code queries the kind of a model.
 struct Capabilities {
   enum class Meshes {
     none,   ///< the model has no mesh
@@ -75,7 +75,7 @@ struct SimulatorIdentity {
   Json offered = Json::object();              ///< further options that decide which mechanisms a diagnosis is offered
 };
 
-/// A call of `simulate`: one run at energy 1 of the case as its tables say, or the mean.
+/// A call of `simulate`: one run at energy 1 of the case, or the mean.
 struct SimulateCall {
   bool mean = false;
   int threads = 1;
@@ -198,7 +198,7 @@ class Simulator {
 struct SimulatorSettings {
   int pulses = 8;                           ///< number of pulse energies in a mean
   double energy_sd = 0.015;                 ///< relative standard deviation of the energy from pulse to pulse
-  const std::atomic<bool>* stop = nullptr;  ///< becomes true when the program is asked to stop
+  const std::atomic<bool>* stop = nullptr;  ///< becomes true when the program is requested to stop
 };
 
 }  // namespace calomel

@@ -35,8 +35,8 @@ struct SimulatorKind {
 
 const Registry<SimulatorKind>& simulator_kinds();
 
-/// The simulator of a case; `built_in` where the case does not say. Errors: InputError for an unknown kind, for a table that belongs to another kind, and for
-/// whatever is wrong in the tables of its own.
+/// The simulator of a case; `built_in` if the case does not name a kind. Errors: InputError for an unknown kind, for a table that belongs to another kind, and
+/// for whatever is wrong in the tables of its own.
 std::unique_ptr<Simulator> make_simulator(CaseFile& file, const SimulatorSettings& settings);
 
 }  // namespace calomel

@@ -114,13 +114,15 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
   p.threads = threads;
   const std::size_t n = mesh.elements.size();
   p.facts.parallelepiped.resize(n);
-  p.facts.stiffness.assign(n, 1.0f), p.facts.size.assign(n, 0.0f);
+  p.facts.stiffness.assign(n, 1.0f);
+  p.facts.size.assign(n, 0.0f);
   if (softening != 0) {
     const auto reentrant = reentrant_elements(mesh);
     for (std::size_t e = 0; e < n; ++e)
       if (reentrant[e]) p.facts.stiffness[e] = float(1 - softening);
   }
-  p.volumes.steel.assign(mesh.nodes.size(), 0), p.volumes.liquid.assign(mesh.nodes.size(), 0);
+  p.volumes.steel.assign(mesh.nodes.size(), 0);
+  p.volumes.liquid.assign(mesh.nodes.size(), 0);
   std::vector<double> volume(n), eigenvalue(n);
   parallel_for((n + 1023) / 1024, threads, [&](std::size_t chunk) {
     for (std::size_t e = chunk * 1024; e < std::min(n, (chunk + 1) * 1024); ++e) {

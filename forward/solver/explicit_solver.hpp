@@ -39,14 +39,14 @@ struct SolverOptions {
     v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used"});
     v("subcycles", subcycles, {.range = between(1, 8), .doc = "mercury away from the steel is advanced at every so many steps at most; 1 = at every step"});
     v("rear_reference", rear_reference,
-      {.doc = "what lies behind a non-reflecting rear face: equally heated mercury, or none (zero)", .choices = {"heated", "zero"}});
+      {.doc = "mercury behind a non-reflecting rear face: equally heated, or unheated (zero)", .choices = {"heated", "zero"}});
     v("kinematics", kinematics,
       {.doc = "strain of the elements: of small displacements, or Green's in the reference configuration", .choices = {"small", "finite"}});
     v("steel_element", steel_element,
       {.doc = "assumed strain, exact in bending, or the selectively reduced B-bar element that checks it (locks in thin walls; small strain only)",
        .choices = {"assumed_strain", "b_bar"}});
     v("checkpoint", checkpoint,
-      {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which a run that was cut off goes on; 0 = none"});
+      {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which an interrupted run resumes; 0 = none"});
     v("energy_balance", energy_balance, {.doc = "energy balance of every step in simulate (a seventh to a third slower)"});
     v.renamed("booking", "solver.energy_balance");
   }
@@ -92,11 +92,11 @@ struct RunSetup {
   /// the mercury [-]; it rises as p0 does. Empty: none.
   std::vector<double> thermal_strain;
   /// Traction, tension positive, at which the mercury gives way at a wetted face [Pa]: steel and mercury of a slip pair come apart there, pull on each other
-  /// with that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together.
+  /// with that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, remain together.
   /// Infinite: none comes apart, and half a layer of mercury elements moves with the wall when the mercury has given way.
   double wetted_cutoff = std::numeric_limits<double>::infinity();
-  /// Mercury that stays on a wetted face when a pair comes apart [m]: the cavity opens that far from the wall. At most `greatest_film` of the half element that
-  /// the face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
+  /// Mercury that remains on a wetted face when a pair comes apart [m]: the cavity opens that far from the wall. At most `greatest_film` of the half element
+  /// that the face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
   double wall_film = 0;
   /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
   /// normal traction but slip_hold, 0 where that is empty [Pa]. Empty: none.

@@ -31,7 +31,7 @@ constexpr int liquid_state(Keep keep) { return keep == Keep::energies ? energy_s
 enum class Form : std::uint8_t {
   parallelepiped,  ///< three gradients, no coupling of hourglass and linear modes
   general,
-  plane,  ///< plane strain with one element across: four corners, each of which stands for two; lanes as runs only
+  plane,  ///< plane strain with one element across: four corners, each of which represents two; lanes as runs only
   dense,  ///< steel only: any stiffness of the modes 1..7, for elements that check the fast ones
   finite  ///< finite strain: the terms of `general`, measured in the reference configuration
 };

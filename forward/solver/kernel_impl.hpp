@@ -231,7 +231,9 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       V p0 = L::heating(b.p0, g, s.load);
       if (b.initial) p0 += L::numbers(b.initial, g);
       const std::size_t at = std::size_t(g - first) * W;
-      store(lanes, e), store(lanes + W, p0);  // a loop over memory is one over whole vectors
+      // a loop over memory is one over whole vectors
+      store(lanes, e);
+      store(lanes + W, p0);
       for (std::size_t l = 0; l < W; ++l) strain[at + l] = (double(lanes[l]) + ratio * before[at + l]) / (1 + ratio), heating[at + l] = double(lanes[W + l]);
     }
     b.law.advance(b.law.law, {count, double(s.dt), strain, before, heating, pressure, pressure + b.law.points, b.law.points});

@@ -1,6 +1,6 @@
 // Advancing nodes: those of a block, those that blocks share, and those with a rule. Included by kernel_impl.hpp.
 
-/// v+ = v- + kick f / m, u += dt v+; fixed directions stay.
+/// v+ = v- + kick f / m, u += dt v+; fixed directions remain.
 template <class R, bool Runs, bool Balance>
 CALOMEL_INLINE void advance(R* u, R* v, const R* f, R inverse_mass, std::uint8_t fixed, const StepData<R>& s, double& kinetic) {
   typename Row<R, Runs>::Lane force[3], velocity[3], place[3];
@@ -64,10 +64,10 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 }
 
 /// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
-/// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
+/// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, remains below the strength;
 /// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for
 /// that step: momentum is kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate
-/// after the step. Filmed: a film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and
+/// after the step. Filmed: a film of the mercury remains on the steel: along the normal its mass is the steel's, together, where that makes no difference, and
 /// apart.
 template <class R, bool Runs, bool Balance, bool Resisting, bool Filmed>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
@@ -138,7 +138,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
 }
 
 /// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run. Resisting: their gaps take time to grow and to
-/// close. Filmed: some of the mercury stays on the steel.
+/// close. Filmed: some of the mercury remains on the steel.
 template <class R, bool Runs, bool Balance, bool Extended = false, bool Resisting = false, bool Filmed = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;

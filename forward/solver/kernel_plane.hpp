@@ -17,7 +17,7 @@ CALOMEL_INLINE void to_plane_corners(const V* m, V* n) {
   n[3] = m[1] + d1;
 }
 
-inline constexpr int plane_volume = 6, plane_x = 7, plane_last = 9;  ///< where volume, X, and h or K stand in the terms
+inline constexpr int plane_volume = 6, plane_x = 7, plane_last = 9;  ///< places of volume, X, and h or K in the terms
 
 template <class V, class Geometry>
 CALOMEL_INLINE void plane_gradients(const V (&u)[2][3], Geometry g, V (&grad)[2][2]) {
@@ -46,7 +46,8 @@ template <Form F, Keep K, bool Given, class V, class Geometry>
 CALOMEL_INLINE void liquid_element(const V (&u)[2][3], V (&f)[2][3], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   static_assert(F == Form::plane && K != Keep::energies);
   V grad[2][2], q[2], spring[2];
-  plane_gradients(u, g, grad), plane_hourglass(u, grad, g, q);
+  plane_gradients(u, g, grad);
+  plane_hourglass(u, grad, g, q);
   const V pv = liquid_pressure<K, Given>(grad[0][0] + grad[1][1], g(plane_volume), s, state, sums) * g(plane_volume), h = s.hourglass * g(plane_last);
   for (int c = 0; c < 2; ++c) spring[c] = h * q[c];
   V t[2][2] = {{pv, V{}}, {V{}, pv}};
@@ -57,7 +58,8 @@ template <Form F, bool Balance, bool Stressed = false, class V, class Geometry>
 CALOMEL_INLINE void steel_element(const V (&u)[2][3], V (&f)[2][3], Geometry g, V lambda, V mu, V*, Sums<V>&, const FreeStrain<V>* free = nullptr) {
   static_assert(F == Form::plane && !Balance);
   V grad[2][2], q[2], spring[2];
-  plane_gradients(u, g, grad), plane_hourglass(u, grad, g, q);
+  plane_gradients(u, g, grad);
+  plane_hourglass(u, grad, g, q);
   V xx = 2 * grad[0][0], zz = 2 * grad[1][1], zx = grad[0][1] + grad[1][0], trace = xx + zz;  // twice the strain
   if constexpr (Stressed) {
     xx += 2 * (free->initial[0] - free->thermal);

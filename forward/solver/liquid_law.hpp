@@ -1,7 +1,7 @@
 #pragma once
 /// The seam for a liquid that is not Riemer's: with state, with numbers that vary in space, or with another formula. The
 /// solver hands it the volumetric strain of many points at once and takes the pressure; everything else (gradients, hourglass
-/// control, slip, nodes) stays as it is, and a run without such a law never comes here.
+/// control, slip, nodes) remains as it is, and a run without such a law never comes here.
 #include <span>
 #include <string>
 
@@ -32,7 +32,7 @@ class LiquidLaw {
   /// The time step follows from the greater of the two. A law whose stiffness has no bound of its own takes one from what the run can
   /// reach, its heating pressure for instance, and throws where that is passed.
   [[nodiscard]] virtual double greatest_stiffness() const { return 0; }
-  /// Pressure of every point now. Called from several threads on different points. Never stiffer than `greatest_stiffness` says;
+  /// Pressure of every point now. Called from several threads on different points. Never stiffer than `greatest_stiffness`;
   /// the regularising viscosity is the law's own to add. Errors: LiquidPointError, or NumericsError with the reason.
   virtual void advance(const LiquidPoints& points) const = 0;
 };

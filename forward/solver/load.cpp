@@ -32,7 +32,7 @@ void LoadOptions::validate() const {
   }
   if (peak_pressure && energy)
     throw InputError(
-        {.problem = "peak_pressure and energy are two ways to say the same", .key = "energy", .value = number_text(*energy), .suggestion = "keep one of them"});
+        {.problem = "peak_pressure and energy give the same quantity", .key = "energy", .value = number_text(*energy), .suggestion = "keep one of them"});
   if (!peak_pressure && !energy)
     throw InputError({.problem = "the strength of the pulse is missing",
                       .key = "kind",
@@ -51,7 +51,7 @@ const Registry<std::string>& loads() {
 std::string policy_text(const LoadOptions& load) {
   if (load.kind == "end_stress") return "a measured stress acts on the end";
   return load.policy == "gruneisen" ? "the heating pressure is Gamma q and follows the sound speed (gruneisen)"
-                                    : "the heating pressure is given and stays when the parameters change (fixed)";
+                                    : "the heating pressure is given and does not change with the parameters (fixed)";
 }
 
 double gruneisen(const MercuryOptions& m, double sound_speed) { return m.thermal_expansion * sound_speed * sound_speed / m.specific_heat; }
@@ -114,7 +114,8 @@ History read_history(const std::filesystem::path& path) {
     }
     if (!h.time.empty() && t <= h.time.back())
       throw InputError({.problem = "time must increase", .value = number_text(t), .file = path.string(), .line = number});
-    h.time.push_back(t), h.value.push_back(s);
+    h.time.push_back(t);
+    h.value.push_back(s);
   }
   if (h.time.size() < 2) throw InputError({.problem = "holds fewer than two samples", .file = path.string()});
   return h;

@@ -28,7 +28,7 @@ Form form_of(const Layout& layout, const Block& block, ElementKind kind) {
 /// The terms of one element in plane strain, as below. `across`: its own axis that runs across.
 template <class Put>
 void write_plane_terms(const HexGeometry& g, const LinearElastic& steel, bool liquid, double share, int across, Put&& put) {
-  // A corner stands for two: modes are half of the hexahedron's, forces twice. In powers of two, so that nothing is rounded anew.
+  // A corner represents two: modes are half of the hexahedron's, forces twice. In powers of two, so that there is no further rounding.
   const int hourglass = 2 - across, axes[2] = {across == 0 ? 1 : 0, across == 2 ? 1 : 2};
   for (const int i : {0, 2}) {
     for (const int axis : axes) put(2 * g.mode_gradient(i, linear_modes[std::size_t(axis)] - 1));
@@ -42,7 +42,9 @@ void write_plane_terms(const HexGeometry& g, const LinearElastic& steel, bool li
   }
   const HourglassStiffness k = hourglass_stiffness(g, steel);
   const int x = hourglass, z = 6 + hourglass;
-  put(4 * share * k.bending(x, x)), put(4 * share * k.bending(x, z)), put(4 * share * k.bending(z, z));
+  put(4 * share * k.bending(x, x));
+  put(4 * share * k.bending(x, z));
+  put(4 * share * k.bending(z, z));
 }
 
 /// The terms of one element in the order of `BlockData`, each handed to `put`.

@@ -75,7 +75,7 @@ class Run {
   void restore(std::istream& in);
 
   /// For the estimate of the stable step: (K + C / dt) x against the mass, and its inner product. Rows as u.
-  /// `liquid_alone`: without the steel's stiffness, its mass stays.
+  /// `liquid_alone`: without the steel's stiffness, its mass remains.
   void apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads, bool liquid_alone = false) const;
   [[nodiscard]] std::vector<double> dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const;  ///< (lanes), with the mass of faces that are apart
   [[nodiscard]] std::size_t row_count() const { return mass_.size(); }

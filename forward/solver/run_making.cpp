@@ -91,7 +91,8 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
 template <class R>
 void Run<R>::make_masses(const NodalVolumes& volumes) {
   const Layout& layout = packed_.layout;
-  mass_.resize(std::size_t(layout.nodes)), parted_mass_.resize(mass_.size());
+  mass_.resize(std::size_t(layout.nodes));
+  parted_mass_.resize(mass_.size());
   inverse_mass_ = AlignedArray<R>(mass_.size());
   const auto by_node = [&](const std::vector<double>& values, std::size_t n) { return values.empty() ? 0 : values[n]; };
   const bool damped = setup_.steel_mass_damping != 0 || !setup_.node_damping.empty();
@@ -113,8 +114,13 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
 template <class R>
 void Run<R>::make_blocks() {
   const std::size_t count = packed_.layout.blocks.size(), lanes = packed_.lanes();
-  initial_.resize(count), thermal_.resize(count), trace_.resize(count);
-  p0_.resize(count), state_.resize(count), memory_.resize(count), blocks_.resize(count);
+  initial_.resize(count);
+  thermal_.resize(count);
+  trace_.resize(count);
+  p0_.resize(count);
+  state_.resize(count);
+  memory_.resize(count);
+  blocks_.resize(count);
   if (setup_.liquid_law) laws_.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
     const Block& block = packed_.layout.blocks[b];

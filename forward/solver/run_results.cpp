@@ -40,7 +40,8 @@ FieldSnapshot Run<R>::snapshot(std::int64_t n, bool motion_alone) const {
   FieldSnapshot f;
   f.time = double(n) * dt_;
   const std::size_t nodes = mesh_.nodes.size(), width = packed_.width(), stride = packed_.stride();
-  f.displacement.resize(nodes), f.velocity.resize(nodes);
+  f.displacement.resize(nodes);
+  f.velocity.resize(nodes);
   for (std::size_t i = 0; i < nodes; ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = std::size_t(packed_.layout.to_solver[i]) * width + c * stride;
@@ -55,7 +56,9 @@ template <class R>
 void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
   const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
   const std::size_t count = mesh_.elements.size(), copies = packed_.runs ? run_lanes : 1;
-  f.pressure.resize(count), f.effective_stress.resize(count), f.time_at_cutoff.assign(count, 0);
+  f.pressure.resize(count);
+  f.effective_stress.resize(count);
+  f.time_at_cutoff.assign(count, 0);
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
       if (packed_.elements[b][slot] < 0) continue;
@@ -158,7 +161,8 @@ double Run<R>::time_at_cutoff() const {
 
 template <class R>
 void Run<R>::save(std::ostream& out) const {
-  put(out, u_.data(), u_.size()), put(out, v_.data(), v_.size());
+  put(out, u_.data(), u_.size());
+  put(out, v_.data(), v_.size());
   for (const auto& s : state_) put(out, s.data(), s.size());
   for (const auto& m : memory_) put(out, m.data(), m.size());
   for (const auto& t : trace_) put(out, t.data(), t.size());
@@ -168,7 +172,8 @@ void Run<R>::save(std::ostream& out) const {
 
 template <class R>
 void Run<R>::restore(std::istream& in) {
-  get(in, u_.data(), u_.size()), get(in, v_.data(), v_.size());
+  get(in, u_.data(), u_.size());
+  get(in, v_.data(), v_.size());
   for (auto& s : state_) get(in, s.data(), s.size());
   for (auto& m : memory_) get(in, m.data(), m.size());
   for (auto& t : trace_) get(in, t.data(), t.size());

@@ -77,7 +77,8 @@ double global_stable_step(const Run<R>& run, int threads, bool liquid_alone) {
     for (auto& s : norm) s = std::sqrt(s);
     Ritz greatest;
     for (std::size_t l = 0; l < lanes; ++l) {
-      diagonal[l].push_back(a[l]), off[l].push_back(norm[l]);
+      diagonal[l].push_back(a[l]);
+      off[l].push_back(norm[l]);
       const Ritz ritz = greatest_ritz(diagonal[l], off[l]);
       if (ritz.value > greatest.value) greatest = ritz;
     }

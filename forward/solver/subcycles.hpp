@@ -16,7 +16,7 @@ inline constexpr int default_subcycle_buffer = 1;  ///< layers of mercury beside
 /// Greatest stable steps [s].
 struct StableSteps {
   double whole = 0;   ///< of everything
-  double liquid = 0;  ///< of the liquid alone; 0: not asked for
+  double liquid = 0;  ///< of the liquid alone; 0: not requested
 };
 
 /// How an output interval is divided.

@@ -1,5 +1,5 @@
 #pragma once
-/// How the blocks of a step are shared among threads, how many threads are worth having, and how many runs at once.
+/// How the blocks of a step are shared among threads, how many threads pay, and how many runs at once.
 #include <cstddef>
 #include <vector>
 

@@ -220,7 +220,7 @@ class TimeLoop {
     if (!in) return;
     const auto fail = [&](const std::string& problem) {
       throw InputError(
-          {.problem = problem, .suggestion = "delete it, or set it aside with --fresh, to begin the run anew", .file = options_.checkpoint.path.string()});
+          {.problem = problem, .suggestion = "delete it, or set it aside with --fresh, to start the run again", .file = options_.checkpoint.path.string()});
     };
     char head[sizeof(magic)] = {};
     std::array<std::int64_t, 3> numbers{};

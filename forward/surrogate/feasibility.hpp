@@ -1,5 +1,5 @@
 #pragma once
-/// Where the model runs through: learnt from which runs of a campaign failed, so that searches keep off the rest.
+/// Where the model runs: estimated from the failed runs of a campaign, so that searches avoid the rest.
 #include <Eigen/Core>
 #include <functional>
 #include <map>
@@ -42,7 +42,7 @@ class Feasibility {
 /// The reasons of failed runs, numbers taken out, and how often each was given.
 std::map<std::string, std::size_t> failure_reasons(const Archive& archive);
 
-/// A surrogate that says of points where the true model is likely to fail that it fails there.
+/// A surrogate that fails at points where the true model is likely to fail.
 class GuardedModel final : public ForwardModel {
  public:
   /// Both outlive the object.

@@ -27,7 +27,8 @@ class Lasso::Workspace {
     const Eigen::Index before = Eigen::Index(columns_.size()), now = before + Eigen::Index(columns.size());
     if (now > gram_.rows()) {
       const Eigen::Index room = std::max<Eigen::Index>(now, 2 * gram_.rows());
-      gram_.conservativeResize(room, room), kept_.conservativeResize(A_.rows(), room);
+      gram_.conservativeResize(room, room);
+      kept_.conservativeResize(A_.rows(), room);
     }
     for (const auto c : columns) {
       place_[std::size_t(c)] = Eigen::Index(columns_.size());
@@ -37,7 +38,8 @@ class Lasso::Workspace {
     const auto added = kept_.middleCols(before, now - before);
     gram_.block(0, before, now, now - before).noalias() = kept_.leftCols(now).transpose() * added;
     gram_.block(before, 0, now - before, before) = gram_.block(0, before, before, now - before).transpose();
-    z_.conservativeResize(now), q_.conservativeResize(now);
+    z_.conservativeResize(now);
+    q_.conservativeResize(now);
     z_.tail(now - before).setZero();
     q_.tail(now - before).noalias() = added.transpose() * b_;
   }

@@ -9,7 +9,7 @@ namespace calomel {
 
 /// A few networks from different starts and shuffles, averaged (Lakshminarayanan et al. 2017), each from the parameters
 /// (linear and, where positive, logarithmic too) to whitened mode coefficients times deviation^(1 - whitening).
-/// Their spread, with the discarded modes, is the predictive variance.
+/// Their scatter, with the discarded modes, is the predictive variance.
 class ModeNetwork final : public TrainedMap {
  public:
   static std::unique_ptr<TrainedMap> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);

@@ -53,8 +53,8 @@ struct NetworkTraining {
 };
 
 struct NetworkSummary {
-  std::vector<double> train_loss;  ///< mean over an epoch's batches, while they were learnt
-  std::vector<double> test_loss;   ///< at the end of each epoch, on the held-out samples; only looked at, never learnt from
+  std::vector<double> train_loss;  ///< mean over an epoch's batches, during training
+  std::vector<double> test_loss;   ///< at the end of each epoch, on the held-out samples; for information only, never used in training
   double final_rate = 0;
 };
 
@@ -84,7 +84,7 @@ class NetworkTrainer {
 };
 
 /// Trains in place. x, y: samples in columns; x_test, y_test are only monitored and may be empty.
-/// The plateau rule watches the training loss, so held-out samples stay unseen. Deterministic for a given stream.
+/// The plateau rule watches the training loss, so held-out samples remain unseen. Deterministic for a given stream.
 template <class Scalar>
 NetworkSummary train_network(Network<Scalar>& network, const typename Network<Scalar>::Matrix& x, const typename Network<Scalar>::Matrix& y,
                              const typename Network<Scalar>::Matrix& x_test, const typename Network<Scalar>::Matrix& y_test, const NetworkTraining& options,

@@ -61,7 +61,7 @@ struct SurrogateOptions {
 
   template <class V>
   void visit(V& v) {
-    v("kind", kind, {.doc = "the surrogate that stands for the model from here on (calomel list names them)"});
+    v("kind", kind, {.doc = "the surrogate that replaces the model in later stages (`calomel list` names them)"});
     v("compare", compare, {.doc = "further kinds, trained on the same runs and reported beside it"});
     v("test_fraction", test_fraction, {.range = between(0.05, 0.5), .doc = "share of the runs that is held out"});
     v("epochs", epochs, {.range = between(1, 1000000), .doc = "training length of the networks"});

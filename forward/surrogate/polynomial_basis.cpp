@@ -144,7 +144,7 @@ void Expansion::run(const Eigen::MatrixXd& units, std::span<double> values, Eige
     }
     for (auto& s : sum) s.setZero();
     for (auto& s : by) s.setZero();
-    // Closes levels down to `level`, which itself stays open; `term` is the last one that was added.
+    // Closes levels down to `level`, which itself remains open; `term` is the last one that was added.
     const auto close = [&](std::size_t term, std::size_t level) {
       for (std::size_t k = d - 1; k > level; --k) {
         const std::size_t p = first[k - 1] + std::size_t(degrees_[term * d + k - 1]);

@@ -11,7 +11,7 @@ void save_network(NetcdfWriter& file, const std::string& prefix, const Network<f
 Network<float> load_network(const NetcdfReader& file, const std::string& prefix);
 
 /// Feedforward network on the parameters scaled to [0, 1] by their bounds; the histories are centred by their mean over
-/// the training runs and divided by one number, the overall standard deviation, so that the loss stays the MAE in
+/// the training runs and divided by one number, the overall standard deviation, so that the loss remains the MAE in
 /// strain up to that factor. Defaults: the seed paper's table of hyperparameters (layers 242, 191, 128, 108, 94, 72,
 /// ReLU, Adam at 9.5e-4 with the plateau rule, batch 8, 100 epochs, MAE). Initial weights as in Keras (Glorot uniform).
 class PublishedNetwork final : public TrainedMap {

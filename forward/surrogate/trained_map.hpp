@@ -32,7 +32,7 @@ class TrainedMap {
   virtual void save(NetcdfWriter& file, const std::string& prefix) const = 0;
 };
 
-/// Runs to learn from, and held-out runs that may be looked at but not learnt from.
+/// Training runs, and held-out runs that may be looked at but not trained on.
 struct TrainingSet {
   std::vector<Parameter> parameters;
   std::size_t series = 1;          ///< (condition, sensor) rows of a history

@@ -108,11 +108,11 @@ RunSplit split_runs(const Archive& archive, double test_fraction, std::uint64_t 
   for (const std::size_t r : archive.completed())
     if (archive.mean.col(Eigen::Index(r)).allFinite()) usable.push_back(r);
   if (usable.size() < least_runs)
-    throw InputError({.problem = "the campaign has too few runs that came through to train a surrogate on",
+    throw InputError({.problem = "the campaign has too few successful runs to train a surrogate",
                       .key = "campaign.runs",
                       .value = std::to_string(usable.size()),
                       .range = ">= " + std::to_string(least_runs),
-                      .suggestion = "ask for more runs, or see campaign.json why they failed"});
+                      .suggestion = "increase campaign.runs, or see in campaign.json why runs failed"});
   RandomStream random(seed, 0);
   const auto order = random.permutation(usable.size());
   const auto held_out = std::size_t(std::ceil(test_fraction * double(usable.size())));

@@ -1,5 +1,5 @@
 #pragma once
-/// The train stage: the campaign's runs are split once, every kind asked for learns from the same training runs and is
+/// The train stage: the campaign's runs are split once, every requested kind is trained on the same training runs and is
 /// scored on the same held-out ones.
 #include <filesystem>
 #include <memory>
@@ -31,7 +31,7 @@ struct SurrogateSummary {
   FitMetrics test, train;
   std::vector<SensorMetrics> sensors;  ///< on held-out runs, conditions pooled
   std::vector<double> run_error;       ///< of each held-out run: rmse / root mean square of its record
-  double variance_ratio = 0;           ///< held-out sum of error^2 / sum of the kind's own variance; 1 = honest, 0 = has none;
+  double variance_ratio = 0;           ///< held-out sum of error^2 / sum of the kind's own variance; 1: calibrated, 0: no variance;
                                        ///< above 1 the surrogate's error_variance is raised by it
   double train_seconds = 0;
   TrainingRecord record;

@@ -48,7 +48,7 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
 
-  /// Keeps the states that earlier pulses leave together with another model of the same mesh: a model with a mechanism more need not make them anew.
+  /// Keeps the states that earlier pulses leave together with another model of the same mesh: a model with one more mechanism need not make them again.
   void share_states_with(const BuiltInModel& other);
 
   /// One run at energy 1 with the case's own tables for each condition; fields of the first. With several conditions each has a checkpoint of its own, see
@@ -88,7 +88,7 @@ class BuiltInModel : public ForwardModel {
   struct Place;
   [[nodiscard]] std::unique_ptr<Place> at(std::span<const double> theta) const;
 
-  /// Where a mechanism says that earlier pulses have left something, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as
+  /// If a mechanism has motion of earlier pulses, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as
   /// setup(), and those of the long run.
   bool start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const;
 

@@ -86,7 +86,8 @@ ModelDescription BuiltInModel::describe() const {
     if (pressure && *pressure > 0 && *pressure < least_pressure)
       d.warnings.push_back(fmt::format("{} = {} Pa is next to nothing: pressures are in Pa, 1 MPa is 1e6", key, number_text(*pressure)));
   };
-  usual("load.peak_pressure", case_.load.peak_pressure), usual("material.mercury.tensile_cutoff", case_.mercury.tensile_cutoff);
+  usual("load.peak_pressure", case_.load.peak_pressure);
+  usual("material.mercury.tensile_cutoff", case_.mercury.tensile_cutoff);
   const double least = least_extent(*mesh_);
   if (const auto size = case_.geometry.resolved().element_size; size && *size > least)
     d.warnings.push_back(fmt::format("geometry.element_size = {} m is larger than the target, which is {:.3g} m at its narrowest: lengths are in metres",

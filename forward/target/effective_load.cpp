@@ -75,7 +75,8 @@ LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh, double front
   load.profile.front = front;
   expect_on_mirror_planes(load, mesh, at);
   for (const auto& m : at.active_mechanisms()) {
-    expect_symmetric(m, at, mesh), expect_rear(m, mesh);
+    expect_symmetric(m, at, mesh);
+    expect_rear(m, mesh);
     if (m.entry->load) m.entry->load(m.values, mesh, load);
   }
   return load;

@@ -18,7 +18,9 @@ void mean_over_energies(std::span<const double> pulses, Prediction& out) {
   for (const double a : out.energies) mean_energy += a / double(m);
   for (const double a : out.energies) squares += (a - mean_energy) * (a - mean_energy);
   const bool slopes = out.energies.front() != out.energies.back(), scatters = m > 2;
-  out.mean.assign(values, 0), out.energy_slope.assign(slopes ? values : 0, 0), out.scatter.assign(scatters ? values : 0, 0);
+  out.mean.assign(values, 0);
+  out.energy_slope.assign(slopes ? values : 0, 0);
+  out.scatter.assign(scatters ? values : 0, 0);
   for (std::size_t i = 0; i < values; ++i) {
     double mean = 0, slope = 0, rest = 0;
     for (std::size_t r = 0; r < m; ++r) mean += pulses[r * values + i] / double(m);

@@ -40,7 +40,7 @@ struct ForwardCase {
   TimeOptions time;
   SolverOptions solver;
   std::vector<SensorOptions> sensors;
-  std::vector<ConditionOptions> conditions;    ///< empty: one, as the load says
+  std::vector<ConditionOptions> conditions;    ///< empty: one, that of the load
   std::vector<Parameter> parameters;           ///< declared order, nominal filled
   std::vector<EnabledMechanism> mechanisms;    ///< part of the model
   std::vector<std::string> listed_mechanisms;  ///< that have a table, enabled or not
@@ -70,8 +70,12 @@ struct ForwardCase {
   /// Visits every Options of the forward layer with its table's path: f(path, options).
   template <class Self, class F>
   static void visit_tables(Self& self, F&& f) {
-    f("geometry", self.geometry), f("material.steel", self.steel), f("material.mercury", self.mercury);
-    f("load", self.load), f("time", self.time), f("solver", self.solver);
+    f("geometry", self.geometry);
+    f("material.steel", self.steel);
+    f("material.mercury", self.mercury);
+    f("load", self.load);
+    f("time", self.time);
+    f("solver", self.solver);
   }
 };
 

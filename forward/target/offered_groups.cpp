@@ -35,7 +35,7 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
   return a;
 }
 
-/// Where a stretch begins or ends: looked at first where it is said to.
+/// Where a stretch begins or ends: examined first at its given place.
 AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high, double sd) {
   AddedParameter a;
   Parameter& p = a.parameter;
@@ -141,7 +141,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c, const Mesh& mes
                        .check = entry.check};
       for (const auto& k : entry.keys) {
         if ((!k.law.empty() && k.law != law) || hidden_by_mirror(k, mesh)) continue;
-        if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
+        if (k.decides && k.screened) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
         if (g.linear && !g.added.empty()) g.added.back().strengths.resize(1);
         if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
       }

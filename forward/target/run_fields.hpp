@@ -19,7 +19,7 @@ class RunFields {
 
   /// The condition is finished.
   void commit();
-  /// The run was stopped: the fields so far stay for the one that goes on.
+  /// The run was stopped: the fields so far remain for the one that goes on.
   void leave();
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 std::string mechanism_page() {
   std::string s =
-      "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
+      "\n## `[mechanism.NAME]`\n\nPhysics that the base model omits. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
       "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly; where another number of the case "
       "stands there, it is "
       "that one (its default in brackets). The range is that of a diagnosis' prior: a normal one is "
@@ -47,7 +47,7 @@ std::string target_reference() {
   s += reference_table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += reference_table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
   s += reference_table<LoadOptions>("[load]", "load", "What sets the target in motion. Required; a pulse needs either `peak_pressure` or `energy`.");
-  s += reference_table<TimeOptions>("[time]", "time", "Samples stand at every multiple of `output_interval` from 0 to `end`.");
+  s += reference_table<TimeOptions>("[time]", "time", "Samples are taken at every multiple of `output_interval` from 0 to `end`.");
   s += reference_table<SolverOptions>("[solver]", "solver", "The explicit solver.");
   s += reference_table<SensorOptions>(
       "[[sensor]]", "sensor",

@@ -94,14 +94,14 @@ ForwardCase TargetSimulator::case_of(const RunRequest& r, const std::vector<std:
   const auto own = c.geometry.resolved().element_size;
   if (r.element_size && *r.element_size > 0) {
     if (!own)
-      throw InputError({.problem = "the mesh comes from a file, so that there is none of another element size",
+      throw InputError({.problem = "the mesh comes from a file, so it has one element size only",
                         .key = "emulator.element_sizes",
                         .suggestion = "leave it out: the emulator then works on the mesh of the file alone"});
     refine(c.geometry, *r.element_size, std::max(1.0, *own / *r.element_size));
   }
   if (r.element_size) c.mercury.least_mesh_viscosity = 0;
   if (r.refine > 1) {
-    if (!own) throw InputError({.problem = "the mesh comes from a file, so that there is none with finer elements", .key = "floor.finer_mesh"});
+    if (!own) throw InputError({.problem = "the mesh comes from a file, so there is no finer one", .key = "floor.finer_mesh"});
     refine(c.geometry, *own / r.refine, r.refine);
   }
   c.mercury.regularising_viscosity *= r.viscosity_factor;

@@ -12,7 +12,7 @@
 
 namespace calomel {
 
-/// Dotted keys of the regularising viscosity, of the steel's Young modulus and of the mercury that stays on walls.
+/// Dotted keys of the regularising viscosity, of the steel's Young modulus and of the mercury that remains on walls.
 inline constexpr const char* viscosity_key = "material.mercury.regularising_viscosity";
 inline constexpr const char* young_key = "material.steel.young";
 inline constexpr const char* film_key = "material.mercury.wall_film";

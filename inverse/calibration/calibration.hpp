@@ -26,7 +26,7 @@ struct Proposal {
   std::vector<double> theta;  ///< (n_parameters)
 };
 
-/// A point that the true model was asked about.
+/// A point at which the true model was run.
 struct Candidate {
   std::vector<double> theta;
   double objective_surrogate = 0;         ///< NaN without a surrogate

@@ -16,10 +16,10 @@ class RememberingModel final : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
   [[nodiscard]] std::vector<Prediction> predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted = {}) const override;
-  /// What the model gives at theta, run elsewhere; the first word stands. `counts`: whether it is one of the runs() of this model.
+  /// What the model gives at theta, run elsewhere; the first value is kept. `counts`: whether it is one of the runs() of this model.
   void learn(std::span<const double> theta, Prediction prediction, bool counts) const;
   [[nodiscard]] bool knows(std::span<const double> theta) const;
-  /// Points that were computed, and those learnt that count.
+  /// Points that were computed, and the given ones that count.
   [[nodiscard]] std::size_t runs() const { return runs_; }
 
  private:

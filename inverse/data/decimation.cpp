@@ -34,7 +34,8 @@ std::vector<Window> windows_of(const Observation& o, std::span<const double> tim
       if (weight < 1e-12) continue;
       possible += weight;
       if (!o.compared[i]) continue;
-      w.index.push_back(i), w.weight.push_back(weight);
+      w.index.push_back(i);
+      w.weight.push_back(weight);
       sum += weight;
       first_moment += weight * time[i];
     }

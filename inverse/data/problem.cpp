@@ -173,7 +173,7 @@ bool constant(const Observation& o) {
   return low == high;
 }
 
-/// Takes out the gauges that are dead and lists them. Errors: InputError where all are.
+/// Takes out the dead gauges and lists them. Errors: InputError if all are dead.
 void leave_out_dead(Problem& p, const Recordings& recordings) {
   if (p.observations.empty()) return;
   std::vector<double> squares;

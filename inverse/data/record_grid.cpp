@@ -103,7 +103,7 @@ Recordings assemble(const RecordRows& table) {
   const auto pulse_index = [&](int number) { return std::size_t(std::lower_bound(out.pulses.begin(), out.pulses.end(), number) - out.pulses.begin()); };
   const std::size_t n_series = out.conditions.size() * out.sensors.size() * out.pulses.size();
   if (n_series > 10'000'000 || n_series > 50 * table.rows.size() + 1000)
-    throw InputError({.problem = fmt::format("{} rows are spread over {} conditions, {} sensors and {} pulses", table.rows.size(), out.conditions.size(),
+    throw InputError({.problem = fmt::format("{} rows belong to {} conditions, {} sensors and {} pulses", table.rows.size(), out.conditions.size(),
                                              out.sensors.size(), out.pulses.size()),
                       .suggestion = "check the columns",
                       .file = table.files[0]});
@@ -146,7 +146,7 @@ Recordings assemble(const RecordRows& table) {
 
   // 3. The values.
   if (n_series * n > 50 * table.rows.size() + 10'000'000)
-    throw InputError({.problem = fmt::format("{} rows are spread over {} series of {} times", table.rows.size(), n_series, n),
+    throw InputError({.problem = fmt::format("{} rows belong to {} series of {} times", table.rows.size(), n_series, n),
                       .suggestion = "check the columns",
                       .file = table.files[0]});
   out.values.assign(n_series * n, std::numeric_limits<double>::quiet_NaN());

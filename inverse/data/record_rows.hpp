@@ -22,8 +22,8 @@ struct RecordRows {
   std::vector<std::string> files, conditions, sensors;
   std::vector<int> sensor_lines;  ///< line of each sensor's first row; 0 when it is a column
   std::vector<RecordRow> rows;
-  bool wide = false;         ///< a column a sensor: the file does not say which pulse it is
-  std::string unit;          ///< what the file itself says; empty when it does not
+  bool wide = false;         ///< a column a sensor: the file does not number the pulse
+  std::string unit;          ///< unit in the file; empty if it has none
   std::string value_column;  ///< header of the value column in long form
   std::vector<std::string> warnings;
 };

@@ -127,7 +127,7 @@ std::pair<std::string, std::string> name_and_unit(const std::string& column) {
   return {std::string(trimmed(std::string_view(column).substr(0, open))), unit};
 }
 
-/// What the header line says: the place of each column.
+/// The contents of the header line: the place of each column.
 struct Header {
   char separator = ',';
   int line = 0;
@@ -135,7 +135,7 @@ struct Header {
   bool wide = false;
   int sensor = -1, pulse = -1, time = -1, condition = -1, value = -1;
   std::vector<std::string> names;
-  std::string unit;  ///< of the values, where it stands behind their columns' names
+  std::string unit;  ///< of the values, if it follows the names of their columns
 };
 
 bool is_sensor_column(const std::string& word) { return word == "sensor" || word == "gauge"; }
@@ -204,7 +204,7 @@ Header read_header(std::string_view line, int number, const std::string& file) {
   return h;
 }
 
-/// LabVIEW measurement: Delta_X and X0 stand in a header that ends with the second ***End_of_Header***.
+/// LabVIEW measurement: Delta_X and X0 are in a header that ends with the second ***End_of_Header***.
 struct LabviewHeader {
   std::optional<double> step;
   double start = 0;
@@ -332,7 +332,7 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
     double x = 0;
     if (fields.size() >= 2 && std::all_of(fields.begin(), fields.end(), [&](auto f) { return parse_number(f, x) != Field::text; })) {
       of_strange_time();
-      fail(file, lines.number(), "missing header: numbers stand before any line that names the columns", "",
+      fail(file, lines.number(), "missing header: numbers precede the line that names the columns", "",
            "begin with sensor,pulse,time,strain or with time and one name a sensor");
     }
     if (looks_like_header(fields)) {

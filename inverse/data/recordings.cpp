@@ -37,7 +37,7 @@ std::optional<double> strains_in(const std::string& unit) {
 std::pair<double, std::string> inner_unit(const std::string& own, const std::string& asked, const std::string& file) {
   if (const auto strains = strains_in(own)) {
     if (asked != "strain" && !(asked == "microstrain" && *strains == microstrain))
-      throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\"", file, own),
+      throw InputError({.problem = fmt::format("the file {} states that its values are in \"{}\"", file, own),
                         .key = "recordings.unit",
                         .value = '"' + asked + '"',
                         .suggestion = fmt::format("write unit = \"{}\"", *strains == microstrain ? "microstrain" : "strain")});
@@ -47,15 +47,15 @@ std::pair<double, std::string> inner_unit(const std::string& own, const std::str
   return {1, own.empty() || asked != "strain" ? asked : own};
 }
 
-/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is
+/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 if the file states none. Errors: InputError where it is another that is
 /// not known to be the same quantity.
 double factor_to_model(const std::string& own, const std::string& unit, const std::string& file) {
   if (own.empty() || own == unit) return 1;
   const auto from = reading_unit(own), to = reading_unit(unit);
   if (from && to && from->quantity == to->quantity) return from->size / to->size;
-  throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit),
+  throw InputError({.problem = fmt::format("the file {} states that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit),
                     .key = "recordings.file",
-                    .suggestion = fmt::format("bring both to one unit; calomel import --unit {} says what a text file is in", unit)});
+                    .suggestion = fmt::format("bring both to one unit; calomel import --unit {} states the unit of a text file", unit)});
 }
 
 Recordings read_netcdf(const std::filesystem::path& path, const std::string& unit, bool as_it_is = false) {
@@ -146,7 +146,7 @@ std::pair<double, std::string> unit_of_strain(const RecordRows& table, const std
       throw InputError({.problem = fmt::format("the column of values is called {} in {}", other, table.files[0]),
                         .key = "recordings.unit",
                         .value = '"' + unit + '"',
-                        .suggestion = "call it strain if it is strain; of other readings say the unit (unit, and sensor_unit under [case])"});
+                        .suggestion = "name it strain if it is strain; for other readings state the unit (unit, and sensor_unit under [case])"});
   if (table.value_column == "microstrain") {  // strain is the customary header, whatever the unit
     own = table.value_column;
     if (unit != "microstrain")
@@ -178,7 +178,9 @@ RecordRows rows_of(const Recordings& record) {
 /// These sensors at these samples, by their indices.
 Recordings selected(const Recordings& all, std::span<const std::size_t> sensors, std::span<const std::size_t> samples) {
   Recordings out = all;
-  out.sensors.clear(), out.sensor_lines.clear(), out.time.clear();
+  out.sensors.clear();
+  out.sensor_lines.clear();
+  out.time.clear();
   for (const auto s : sensors) out.sensors.push_back(all.sensors[s]), out.sensor_lines.push_back(all.sensor_lines[s]);
   for (const auto t : samples) out.time.push_back(all.time[t]);
   out.values.resize(all.conditions.size() * sensors.size() * all.pulses.size() * samples.size());
@@ -320,7 +322,7 @@ std::vector<std::string> match_sensors(const Recordings& recordings, std::span<c
            .value = "sensor \"" + recordings.sensors[s] + '"',
            .range = join(declared),
            .suggestion = fmt::format(
-               "declare it ([[sensor]] of a target, output.sensors of a model outside), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"",
+               "declare it ([[sensor]] of a target, output.sensors of an external model), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"",
                recordings.sensors[s], without.empty() ? "the nearest declared one" : "declared without a record",
                nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
            .file = recordings_file.string(),
@@ -359,7 +361,8 @@ ImportSummary import_recordings(std::span<const std::filesystem::path> files, co
   for (const auto& path : files) {
     RecordRows table;
     std::string name;
-    if (!std::filesystem::is_regular_file(path)) throw InputError({.problem = "there is no such file", .suggestion = "check the name", .file = path.string()});
+    if (!std::filesystem::is_regular_file(path))
+      throw InputError({.problem = "the file does not exist", .suggestion = "check the name", .file = path.string()});
     if (is_netcdf(path)) {
       const Recordings record = read_netcdf(path, options.unit);
       table = rows_of(record);

@@ -40,7 +40,7 @@ struct RecordingOptions {
     v("file", file,
       {.doc = "recordings.nc, a CSV of the form sensor,pulse,time,strain (condition optional), or time and one column a sensor", .required = true});
     v("unit", unit,
-      {.doc = "strain or microstrain, which is converted. Records of a line or of a model outside are in the model's own unit, case.sensor_unit"});
+      {.doc = "strain or microstrain, which is converted. Records of a line or of an external model are in the model's own unit, case.sensor_unit"});
     v("trigger_offset", trigger_offset, {.unit = "s", .range = any(), .doc = "time on the record's clock at which the simulation starts (subtracted)"});
     v("begin", begin, {.unit = "s", .range = any(), .doc = "earlier samples are left out; on the simulation's clock"});
     v("end", end, {.unit = "s", .range = any(), .doc = "later samples are left out; on the simulation's clock"});
@@ -91,7 +91,7 @@ struct Recordings {
   [[nodiscard]] bool recorded(std::size_t condition, std::size_t sensor, std::size_t pulse) const;
 };
 
-/// Reads a file as it stands: long or wide text, a LabVIEW measurement, or recordings.nc. `unit` and `as_it_is` as in RecordingOptions.
+/// Reads a file: long or wide text, a LabVIEW measurement, or recordings.nc. `unit` and `as_it_is` as in RecordingOptions.
 /// Errors: InputError with file and line; without a file but with the key recordings.file when it cannot be opened.
 Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit = "strain", bool as_it_is = false);
 
@@ -100,7 +100,7 @@ Recordings read_recordings_file(const std::filesystem::path& path, const std::st
 Recordings read_recordings(const std::filesystem::path& path, const RecordingOptions& options);
 
 /// The samples of a record at the times first + k step (k = 0, 1, ...) of a model that has no value between them, at two times and more, evenly spaced; the
-/// rest is left out. Unchanged where no two of its samples stand there. A warning is added where anything is left out or has to be interpolated.
+/// rest is left out. Unchanged if fewer than two of its samples are there. A warning is added where anything is left out or has to be interpolated.
 Recordings at_times_of(const Recordings& recordings, double first, double step, std::vector<std::string>& warnings);
 
 /// Holds the recorded sensors against the declared ones; returns the warnings (declared but not recorded, or left out: `excluded`).

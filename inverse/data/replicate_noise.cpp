@@ -15,7 +15,7 @@ namespace {
 constexpr double smoothing_time = 25e-6;  ///< [s] half width over which the variance may change
 constexpr double shrinkage_squares = 10;  ///< squares at which local and mean variance count alike
 constexpr double least_white = 0.01;      ///< keeps the covariance regular
-constexpr double dropouts = 0.1;          ///< share of a pulse's values that may be absent: the mean record stands for them
+constexpr double dropouts = 0.1;          ///< share of a pulse's values that may be absent: the mean record replaces them
 constexpr std::array<double, 5> white_shares{least_white, 0.05, 0.15, 0.4, 0.8};
 
 /// The pulses of one observation on the coarse grid.
@@ -60,7 +60,8 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
     p.present.array() += there.cast<double>();
     if (double(windows - there.count()) > dropouts * double(windows)) continue;
     p.zeroed = p.zeroed && record[0] == 0;
-    p.number.push_back(k), columns.push_back(y);
+    p.number.push_back(k);
+    columns.push_back(y);
   }
   p.present = p.present.cwiseMax(1);
   p.values.resize(windows, Eigen::Index(columns.size()));
@@ -77,7 +78,8 @@ Eigen::VectorXd energies(const std::vector<Pulses>& all, std::size_t condition, 
   // Each gauge sees deviations from the mean of its own pulses: iterate so that gauges with fewer pulses share the scale.
   Eigen::VectorXd a = top;
   for (int sweep = 0; sweep < 20; ++sweep) {
-    top.setZero(), bottom.setZero();
+    top.setZero();
+    bottom.setZero();
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Pulses& p = all[i];
       if (p.condition != condition || p.number.size() < 2) continue;
@@ -181,7 +183,7 @@ Eigen::MatrixXd pulse_covariance(const SeriesNoise& s, std::span<const Window> w
   return c;
 }
 
-/// The first window is a mean over the start, not the start itself; its modulation stands for it.
+/// The first window is a mean over the start, not the start itself; its modulation represents it.
 void learn_series(SeriesNoise& s, const Eigen::MatrixXd& e, std::span<const Window> windows, std::span<const double> record_time, double freedom) {
   s.modulation = modulation_of(e, windows, freedom);
   s.zero_modulation = s.modulation[0];

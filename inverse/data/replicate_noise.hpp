@@ -1,5 +1,5 @@
 #pragma once
-/// The noise of single pulses, learnt from their repeats: y_{s,r}(t) = f_s(t) + (a_r - 1) g_s(t) + b_s + e_{s,r}(t).
+/// The noise of single pulses, estimated from their repeats: y_{s,r}(t) = f_s(t) + (a_r - 1) g_s(t) + b_s + e_{s,r}(t).
 #include <Eigen/Core>
 #include <vector>
 
@@ -44,10 +44,10 @@ struct CorrelationFit {
 CorrelationFit fit_correlation(const Eigen::MatrixXd& normalised, std::span<const Window> windows, std::span<const double> record_time, bool zeroed,
                                double zero_time);
 
-/// energy_slope: secant of the coarse values by relative pulse energy (grid.size()), or empty: the mean record stands for it, as if strain were
-/// proportional to energy. Where there is one, the better of the two is taken by the scatter that it explains. Only gauges with two or more pulses
-/// are learnt from; the others take recordings.noise with recordings.noise_time.
-/// `options` and `problem` belong to `recordings`. Errors: InputError for a single pulse without noise.
+/// energy_slope: gradient of the coarse values with respect to the relative pulse energy (grid.size()), or empty: the mean record replaces it, as if strain
+/// were proportional to energy. Where there is one, the better of the two is taken by the scatter that it explains. Only gauges with two or more pulses are
+/// estimated from; the others take recordings.noise with recordings.noise_time. `options` and `problem` belong to `recordings`. Errors: InputError for a single
+/// pulse without noise.
 ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const Recordings& recordings, const RecordingOptions& options,
                            const Eigen::VectorXd& energy_slope);
 

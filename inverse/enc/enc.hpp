@@ -37,13 +37,13 @@ struct EncOptions {
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
     v("objective", objective, {.doc = "formulation of the misfit", .choices = objectives().names()});
     v("compare_optimizers", compare_optimizers,
-      {.doc = "optimisers whose answers are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a "
+      {.doc = "optimisers whose results are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a "
               "gradient",
        .choices = and_gradient_search(calomel::optimizers().names())});
     v("compare_objectives", compare_objectives,
-      {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = objectives().names()});
+      {.doc = "formulations whose results are compared with the calibration's, each run once in the true model", .choices = objectives().names()});
     v.renamed("compare_rounds", "each compared optimiser and objective always has four rounds");
-    v.renamed("agreement", "answers always agree when they differ by no more than 5 % of the bounds");
+    v.renamed("agreement", "results agree if they differ by no more than 5 % of the bounds");
     visit_mesh_correction(v, mesh_correction);
   }
 

@@ -26,7 +26,7 @@ struct ComparedOptimizer {
   bool agrees = false;                ///< distance within the tolerance
 };
 
-/// The answer by one objective on the surrogate, and what the true model says there.
+/// The answer by one objective on the surrogate, and the result of the true model there.
 struct EncFormulation {
   std::string objective;
   std::vector<double> theta;  ///< (n_parameters) best of its rounds

@@ -77,7 +77,7 @@ std::vector<Nuisance> nuisances_of(const PosteriorInputs& in, const PosteriorFit
       x.prior_value = *p.mean;
       x.prior_sd = *p.sd;
     }
-    x.pull = prior_deviation(p, x.value).value_or(0);
+    x.deviation = prior_deviation(p, x.value).value_or(0);
     out.push_back(std::move(x));
   }
   if (fit.posterior->has_beyond()) {

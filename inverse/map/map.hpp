@@ -1,6 +1,6 @@
 #pragma once
 /// Maximum a posteriori: the mode of the posterior on the multilevel emulator, verified by runs of the true model, with what the data pin and leave free,
-/// whether the fit is adequate, where the residual points, and what a nested model is worth.
+/// whether the fit is adequate, where the residual points, and the evidence of a nested model.
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
@@ -34,7 +34,7 @@ struct MapOptions {
               "and a discrepancy",
        .choices = {"tuned", "physical"}});
     v("score_tests", score_tests,
-      {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the "
+      {.doc = "score tests: whether the residual at the mode resembles the effect of a mechanism that the case does not enable; one or two runs a key on the "
               "next to finest mesh, about two dozen"});
     v.renamed("screen", "map.score_tests");
     v("compare_with", compare_with,
@@ -47,19 +47,19 @@ struct MapOptions {
     v.renamed("mesh_beyond_sd", "errors.beyond_sd");
     v.renamed("mesh_error", "errors.mesh");
     v.renamed("stable", "emulator.stable");
-    v.renamed("widen", "nothing is multiplied afterwards: what the errors are is set in [errors]");
+    v.renamed("widen", "nothing is multiplied afterwards: set the errors in [errors]");
     v.renamed("likelihood", "[errors]: values, band, energy_scale_sd, gain_sd, baseline, coherent_noise for all methods");
     v.renamed("discrepancy", "errors.discrepancy, errors.discrepancy_times, errors.discrepancy_distance");
     v.renamed("unknowns", "errors.young_sd, errors.gauge_place_sd");
   }
 };
 
-/// What the posterior says of a coordinate that is no parameter of the case.
+/// The posterior of a coordinate that is no parameter of the case.
 struct Nuisance {
   std::string name;
   double value = 0, sd = 0;
   double prior_value = 0, prior_sd = 0;  ///< of a lognormal prior its median, and the sd of the logarithm times it
-  double pull = 0;                       ///< distance from the prior's middle in its standard deviations
+  double deviation = 0;                  ///< from the centre of the prior, in standard deviations of the prior
 };
 
 /// Candidates are the modes, best first by the emulator: a run verifies an answer and does not choose it, for the best of several runs is the luckiest.

@@ -54,7 +54,7 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
                                 {"sd", number(x.sd)},
                                 {"prior_value", number(x.prior_value)},
                                 {"prior_sd", number(x.prior_sd)},
-                                {"pull", number(x.pull)}});
+                                {"pull", number(x.deviation)}});
   own["log_likelihood"] = number(s.log_likelihood);
   own["log_prior"] = number(s.log_prior);
   own["log_evidence_laplace"] = number(s.log_evidence_laplace);

@@ -13,29 +13,29 @@ using Averages = std::array<double, averages>;
 double formula_of(const Objective& objective, const Averages& a) { return objective.formula(a[accuracy], a[mae], a[nrmse], a[delta1], a[delta2]); }
 
 /// d formula / d averages by central differences; exact for the linear formulas of the catalogue but for rounding.
-Averages slopes_of(const Objective& objective, const Averages& at) {
-  Averages slopes{};
+Averages gradient_of(const Objective& objective, const Averages& at) {
+  Averages gradient{};
   for (std::size_t k = 0; k < averages; ++k) {
     const double h = 1e-3 * std::max(1.0, std::abs(at[k]));
     Averages up = at, down = at;
     up[k] += h;
     down[k] -= h;
-    slopes[k] = (formula_of(objective, up) - formula_of(objective, down)) / (2 * h);
+    gradient[k] = (formula_of(objective, up) - formula_of(objective, down)) / (2 * h);
   }
-  return slopes;
+  return gradient;
 }
 
 double logistic(double z) { return z > 0 ? 1 / (1 + std::exp(-z)) : std::exp(z) / (1 + std::exp(z)); }
 
-/// One observation: what it adds to the averages, and the slope of each by the history on the record times.
+/// The contribution of one observation to the averages, and the gradient of each with respect to the history on the record times.
 struct Part {
   Averages value{};
-  std::array<std::vector<double>, averages> slope;
+  std::array<std::vector<double>, averages> gradient;
 };
 
 Part part_of(const Problem& problem, const Observation& o, const std::vector<double>& y, double width) {
   Part p;
-  for (auto& s : p.slope) s.assign(y.size(), 0.0);
+  for (auto& s : p.gradient) s.assign(y.size(), 0.0);
   double norm = 0, squares = 0, over = 0, under = 0;
   std::size_t over_at = y.size(), under_at = y.size();
   for (std::size_t t = 0; t < y.size(); ++t) {
@@ -44,12 +44,12 @@ Part part_of(const Problem& problem, const Observation& o, const std::vector<dou
     norm += o.mean[t] * o.mean[t];
     squares += d * d;
     p.value[mae] += problem.mae_scale * std::abs(d) / double(o.samples);
-    p.slope[mae][t] = problem.mae_scale * (d > 0 ? 1 : d < 0 ? -1 : 0) / double(o.samples);
+    p.gradient[mae][t] = problem.mae_scale * (d > 0 ? 1 : d < 0 ? -1 : 0) / double(o.samples);
     if (!o.banded[t]) continue;
     const double band = o.high[t] - o.low[t], h = width * band;
     const double a = logistic((y[t] - o.low[t]) / h), b = logistic((o.high[t] - y[t]) / h);
     p.value[accuracy] += 100 * a * b / double(o.banded_samples);
-    p.slope[accuracy][t] = 100 * a * b * (b - a) / h / double(o.banded_samples);
+    p.gradient[accuracy][t] = 100 * a * b * (b - a) / h / double(o.banded_samples);
     if (const double e = (y[t] - o.high[t]) / band; e > over) over = e, over_at = t;
     if (const double e = (o.low[t] - y[t]) / band; e > under) under = e, under_at = t;
   }
@@ -57,14 +57,14 @@ Part part_of(const Problem& problem, const Observation& o, const std::vector<dou
   p.value[delta1] = rrmse;
   p.value[delta2] = over + under;
   for (std::size_t t = 0; t < y.size(); ++t)
-    if (o.compared[t] && squares > 0) p.slope[delta1][t] = (y[t] - o.mean[t]) / std::sqrt(squares * norm);
-  if (over_at < y.size()) p.slope[delta2][over_at] += 1 / (o.high[over_at] - o.low[over_at]);
-  if (under_at < y.size()) p.slope[delta2][under_at] -= 1 / (o.high[under_at] - o.low[under_at]);
+    if (o.compared[t] && squares > 0) p.gradient[delta1][t] = (y[t] - o.mean[t]) / std::sqrt(squares * norm);
+  if (over_at < y.size()) p.gradient[delta2][over_at] += 1 / (o.high[over_at] - o.low[over_at]);
+  if (under_at < y.size()) p.gradient[delta2][under_at] -= 1 / (o.high[under_at] - o.low[under_at]);
   return p;
 }
 
-/// Slopes by the record times -> slopes by the model's values.
-void pull_to_model(const Problem& problem, const Observation& o, const std::vector<double>& by_record, std::vector<double>& weights) {
+/// Adds the gradient with respect to the model's values, from that with respect to the history on the record times.
+void add_model_gradient(const Problem& problem, const Observation& o, const std::vector<double>& by_record, std::vector<double>& weights) {
   const std::size_t base = problem.shape.at(o.condition, o.sensor, 0);
   for (std::size_t t = 0; t < by_record.size(); ++t) {
     if (by_record[t] == 0) continue;
@@ -96,16 +96,16 @@ ObjectiveGradient objective_gradient(const Problem& problem, const Objective& ob
   const Averages share{banded > 0 ? 1 / banded : 0, 1 / count, 1 / count, 1, 1};
   total[nrmse] = total[delta1];
   for (std::size_t k = 0; k < averages; ++k) total[k] *= share[k];
-  const Averages by = slopes_of(objective, total);
+  const Averages by = gradient_of(objective, total);
   out.cost = objective.cost(formula_of(objective, total));
   out.weights.assign(values.size(), 0.0);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     auto& p = parts[i];
-    std::vector<double> sum(p.slope[mae].size());
+    std::vector<double> sum(p.gradient[mae].size());
     for (std::size_t t = 0; t < sum.size(); ++t)
-      sum[t] = sign * (by[accuracy] * share[accuracy] * p.slope[accuracy][t] + by[mae] * share[mae] * p.slope[mae][t] +
-                       (by[nrmse] * share[nrmse] + by[delta1]) * p.slope[delta1][t] + by[delta2] * p.slope[delta2][t]);
-    pull_to_model(problem, problem.observations[i], sum, out.weights);
+      sum[t] = sign * (by[accuracy] * share[accuracy] * p.gradient[accuracy][t] + by[mae] * share[mae] * p.gradient[mae][t] +
+                       (by[nrmse] * share[nrmse] + by[delta1]) * p.gradient[delta1][t] + by[delta2] * p.gradient[delta2][t]);
+    add_model_gradient(problem, problem.observations[i], sum, out.weights);
   }
   return out;
 }

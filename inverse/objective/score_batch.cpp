@@ -73,7 +73,7 @@ BatchScore score_batch(const Problem& problem, const Eigen::MatrixXf& values) {
   BatchScoreSum out(n, problem.mae_scale);
   std::vector<float> buffer(problem.same_grid ? 0 : samples);
   std::vector<ScoreSums> sums(n);
-  for (const auto& o : problem.observations) {  // the bands of one sensor stay in the cache for all columns
+  for (const auto& o : problem.observations) {  // the bands of one sensor remain in the cache for all columns
     for (std::size_t i = 0; i < n; ++i) {
       const float* y = values.col(Eigen::Index(i)).data() + problem.shape.at(o.condition, o.sensor, 0);
       if (problem.same_grid) {

@@ -77,7 +77,7 @@ void last_tile(const float* directions, const float* rows, std::ptrdiff_t rank, 
 void score(const ScorePanels& p, const float* coefficients, std::ptrdiff_t columns, ScoreSums* sums, float* scratch) {
   constexpr std::ptrdiff_t of_column = quantities * width;
   for (std::ptrdiff_t i = 0; i < columns * of_column; ++i) scratch[i] = 0;
-  for (std::ptrdiff_t panel = 0; panel < p.panels; ++panel) {  // a panel stays in the cache for all columns
+  for (std::ptrdiff_t panel = 0; panel < p.panels; ++panel) {  // a panel remains in the cache for all columns
     const float* directions = p.directions + panel * p.rank * panel_rows;
     const float* rows = p.rows + panel * 4 * panel_rows;
     std::ptrdiff_t c = 0;

@@ -5,7 +5,7 @@
 namespace calomel {
 
 /// Covariance matrix adaptation with restarts: pagmo's cmaes from a population of 4 + 3 ln d points (5 at least); when it has converged
-/// or stands still, it starts again at random with twice the population, until generations x population evaluations are
+/// or stagnates, it starts again at random with twice the population, until generations x population evaluations are
 /// spent. Auger and Hansen 2005, A restart CMA evolution strategy with increasing population size.
 struct CmaesRestarts {
   int generations = 100;

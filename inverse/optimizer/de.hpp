@@ -6,7 +6,7 @@ namespace calomel {
 
 /// Differential evolution, rand/1/bin: v = a + F (b - c) with a, b, c three other individuals, each coordinate taken from v
 /// with probability CR and one always; the trial replaces its parent when it is not worse. Coordinates that leave the box
-/// are drawn anew in it. Storn and Price 1997, J. Global Optim. 11, 341, with their first suggestions F = 0.5 and CR = 0.9.
+/// are drawn again in it. Storn and Price 1997, J. Global Optim. 11, 341, with their first suggestions F = 0.5 and CR = 0.9.
 /// All trials of a generation are made from the generation before and evaluated together.
 struct DifferentialEvolution {
   int generations = 100;

@@ -79,7 +79,8 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
 
   for (int i = 0; i < iterations; ++i) {
     // 1. Nonlocal derivatives along every direction.
-    points.resize(d, trials * d * nodes), values.resize(std::size_t(points.cols()));
+    points.resize(d, trials * d * nodes);
+    values.resize(std::size_t(points.cols()));
     for (Eigen::Index t = 0, c = 0; t < trials; ++t) {
       State& s = states[std::size_t(t)];
       if (options.basis == "random") s.basis = random_basis(d, s.random);
@@ -100,7 +101,8 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
       s.direction = std::isfinite(norm) && norm > 0 ? Eigen::VectorXd(-g / norm) : Eigen::VectorXd(s.basis.col(0));
     }
     // 2. The line search: all steps of the ladder of all trials.
-    points.resize(d, trials * steps), values.resize(std::size_t(points.cols()));
+    points.resize(d, trials * steps);
+    values.resize(std::size_t(points.cols()));
     for (Eigen::Index t = 0; t < trials; ++t)
       for (Eigen::Index j = 0; j < steps; ++j) {
         const State& s = states[std::size_t(t)];

@@ -22,11 +22,13 @@ pagmo::population MothFlame::evolve(pagmo::population population) const {
   const auto light = [&] {  // the n best of the flames and the moths
     Points pool = flames;
     std::vector<double> value = flame_f;
-    pool.insert(pool.end(), moths.begin(), moths.end()), value.insert(value.end(), f.begin(), f.end());
+    pool.insert(pool.end(), moths.begin(), moths.end());
+    value.insert(value.end(), f.begin(), f.end());
     std::vector<std::size_t> order(pool.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return value[i] < value[j]; });
-    flames.clear(), flame_f.clear();
+    flames.clear();
+    flame_f.clear();
     for (std::size_t i = 0; i < n; ++i) flames.push_back(pool[order[i]]), flame_f.push_back(value[order[i]]);
   };
   light();

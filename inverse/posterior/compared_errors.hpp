@@ -12,9 +12,9 @@ inline constexpr const char* no_mesh_errors = "no_mesh_errors";
 inline constexpr const char* independent_errors = "independent";
 const std::vector<std::string>& compared_forms();
 
-/// The posterior of `fit` under a form of errors; its box, emulator and priors stay.
+/// The posterior of `fit` under a form of errors; its box, emulator and priors remain.
 ///
-/// no_mesh_errors: the same errors without what stands for the mesh and for numerical noise: the records lie on the finest mesh (beyond = 0), and neither they
+/// no_mesh_errors: the same errors without those of the mesh and of numerical noise: the records lie on the finest mesh (beyond = 0), and neither they
 /// nor the emulator's mean carry numerical noise.
 ///
 /// independent: at every sample of every record with a band an independent normal error, whose deviation is the band's half width over 1.96, on the model's own

@@ -1,5 +1,5 @@
 #pragma once
-/// The density of whitened residuals: normal, or Student's t where the errors' scale was learnt from few squares.
+/// The density of whitened residuals: normal, or Student's t where the errors' scale was estimated from few squares.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -94,7 +94,8 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
   const auto p = Eigen::Index(grid_.size());
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(p, p);
-  data_.resize(p), record_noise_.resize(p);
+  data_.resize(p);
+  record_noise_.resize(p);
   for (std::size_t i = 0; i < problem.observations.size(); ++i)
     data_.segment(Eigen::Index(grid_.offset(i)), Eigen::Index(grid_.windows(i).size())) =
         grid_.apply_record(i, problem.observations[i].mean) / noise_.series[i].mean_energy;  // strain about proportional to energy: of the order of 0.1 %
@@ -279,7 +280,8 @@ std::vector<std::vector<std::size_t>> places_of_discrepancy(const Problem& probl
       return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm();
     };
     const auto nearest = *std::min_element(sensors.begin(), sensors.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
-    all.insert({i}), all.insert({std::min(i, nearest), std::max(i, nearest)});
+    all.insert({i});
+    all.insert({std::min(i, nearest), std::max(i, nearest)});
   }
   return {all.begin(), all.end()};
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term stands once.
+/// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term occurs once.
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
@@ -46,7 +46,7 @@ struct ErrorOptions {
       {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
     v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
     v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
-    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of a model outside 0"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of an external model 0"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("young_sd", young_sd,
@@ -56,8 +56,9 @@ struct ErrorOptions {
     v("wall_film", wall_film,
       {.unit = "m",
        .range = between(0, 5e-4),
-       .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: "
-              "prior mean"});
+       .doc =
+           "mercury that remains on a wetted wall when it cavitates there (material.mercury.wall_film); its thickness is unknown and it adds mass to the wall: "
+           "prior mean"});
     v("wall_film_sd", wall_film_sd,
       {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
     v("gauge_place_sd", gauge_place_sd,
@@ -66,33 +67,33 @@ struct ErrorOptions {
       {.unit = "s",
        .range = at_least(0),
        .doc = "sd of the instant on the record's clock at which the simulation starts (recordings.trigger_offset), the same for all gauges; marginalised to "
-              "first order. 0: it is known"});
+              "first order. 0: exactly known"});
     v("beyond", beyond,
-      {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
+      {.range = between(-1, 3), .doc = "multiple of the difference between the two finest meshes that is added to the finest mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
-    v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
+    v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "error of the mesh that no multiple of that difference removes, over its local amplitude"});
     v("record_noise", record_noise,
       {.range = between(0, 10),
        .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator; of "
               "a gauge whose noise is given times sqrt(campaign.pulses / pulses recorded)"});
     v("mesh", mesh,
       {.range = between(0, 1),
-       .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element "
+       .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which no run measures; default 0.08 per millimetre of element "
               "size"});
     v("discrepancy", discrepancy,
       {.range = between(0, 1),
-       .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; "
+       .doc = "omitted physics, for the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; "
               "marginalised"});
     v("discrepancy_times", discrepancy_times,
       {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
     v("amplitude_time", amplitude_time,
       {.unit = "s",
        .range = above(0),
-       .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
+       .doc = "averaging time of the local amplitude, for the discrepancy and the errors of mesh and emulator; far below the record's length"});
     v("arrival_share", arrival_share,
       {.range = between(0, 1),
-       .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves "
-              "out may be how fast a wave comes"});
+       .doc = "before the first value of a record that exceeds this share of its greatest value the model omits nothing; default 0.05, for a line 0, because "
+              "the omitted effect may be the wave speed"});
     v("discrepancy_distance", discrepancy_distance,
       {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
   }
@@ -106,7 +107,7 @@ TimeKernel matern32(double time);
 /// whose correlation along a record is 0.27, 0.17 and 0.05 over 1, 2 and 3 us, and which gauges do not share (docs/benchmarks/mesh_error.md).
 TimeKernel white_noise(const Decimation& grid);
 
-/// Names of the terms that stand for the mesh and for the numerical noise.
+/// Names of the terms for the mesh and for the numerical noise.
 inline constexpr const char* beyond_term = "beyond the finest mesh";
 inline constexpr const char* mesh_term = "mesh";
 inline constexpr const char* record_noise_term = "numerical noise of the records";
@@ -131,10 +132,10 @@ struct ErrorDirections {
   Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
   double mesh = 0;                  ///< error of the mesh over the local amplitude that is taken for granted, where there is one mesh only
   int pulses = 1;                   ///< whose mean a run is
-  double energy_sd = 0;             ///< relative, from pulse to pulse, where the recordings do not say it
+  double energy_sd = 0;             ///< relative, from pulse to pulse, if the recordings do not contain it
 };
 
-/// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
+/// Mean records on the coarse grid and the covariance of all errors between them and the emulator's mean.
 class ErrorModel {
  public:
   /// Errors: InputError for a single pulse without noise.

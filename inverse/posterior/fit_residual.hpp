@@ -1,6 +1,5 @@
 #pragma once
-/// What a fit leaves of the records, and the errors that it is held against: what chi-squared and pulls ask, whether an emulator was fitted or the model
-/// itself.
+/// The residual of a fit and its errors, from which chi-squared and the prior deviations are computed. The fit may be of an emulator or of the model itself.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
@@ -13,16 +12,17 @@ namespace calomel {
 struct FitResidual {
   Eigen::VectorXd residual;                   ///< (size) records less prediction, on the grid of the errors
   Eigen::MatrixXd covariance;                 ///< (size, size) of all errors, that of an emulator included
-  std::vector<MarginalDirection> directions;  ///< of the numbers that are marginalised within it
+  std::vector<MarginalDirection> directions;  ///< of the nuisance parameters that are marginalised within the covariance
   double chi2 = 0;                            ///< r^T C^-1 r
-  std::size_t parameters = 0;                 ///< that were fitted
-  double freedom = 0;                         ///< of the covariance's scale; infinity for a Gaussian
+  std::size_t parameters = 0;                 ///< number of fitted parameters
+  double freedom = 0;                         ///< degrees of freedom of the covariance's scale; infinity for a Gaussian
 };
 
-/// Of the highest mode of a fit, under its likeliest errors; the noise of one run of the finest mesh counts with the emulator's variance.
+/// The residual at the highest mode of a fit, under its likeliest errors. The variance of the emulator includes the noise of one run of the finest mesh.
 [[nodiscard]] FitResidual residual_of(const PosteriorFit& fit);
 
-/// Of a model without an emulator, from its prediction on the grid of the errors, (size). Errors: NumericsError where the covariance is not positive definite.
+/// The residual of a model without an emulator, from its prediction (size) on the grid of the errors. Errors: NumericsError where the covariance is not
+/// positive definite.
 [[nodiscard]] FitResidual residual_of(const ErrorModel& errors, const Eigen::VectorXd& prediction, std::size_t parameters);
 
 }  // namespace calomel

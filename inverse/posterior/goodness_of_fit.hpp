@@ -13,7 +13,7 @@ struct GoodnessOfFit {
   double effective_data = 0;   ///< p^2 / |R|_F^2, R the correlation matrix of the p errors (Satterthwaite 1946): p for independent ones, 1 for identical ones
   double effective_chi2 = 0;   ///< effective_data times the mean of r_i^2 / Sigma_ii: unlike chi2 blind to how well correlations are known
   double p_value = 0,
-         effective_p_value = 0;  ///< share of replicated data that would fit worse, by chi-squared or, where the scale was learnt from few squares, by F
+         effective_p_value = 0;  ///< share of replicated data that would fit worse, by chi-squared or, where the scale was estimated from few squares, by F
   double chi2_critical = 0;      ///< above which chi2 alone would have spoken
   bool adequate = false;         ///< neither speaks
   bool errors_too_wide = false;  ///< adequate, and chi2 lies so far below its expectation that the errors are wider than the residuals

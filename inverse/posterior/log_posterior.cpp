@@ -147,12 +147,12 @@ LogPosterior::Likelihood LogPosterior::likelihood(const Hypothesis& h, const Eig
   return l;
 }
 
-LogPosterior::Density LogPosterior::density(const Point& at, bool slopes) const {
+LogPosterior::Density LogPosterior::density(const Point& at, bool with_gradients) const {
   Density out;
   const auto f = Eigen::Index(free_.size()), n = dimension();
   const Eigen::VectorXd x = emulator_.features(at.u, at.beyond), hx = emulator_.inverse() * x;
   Eigen::MatrixXd dx;
-  if (slopes) {
+  if (with_gradients) {
     const Eigen::MatrixXd all = emulator_.features_slope(at.u, at.beyond);
     dx.resize(all.rows(), n);
     dx.leftCols(f) = all(Eigen::all, free_);
@@ -167,7 +167,7 @@ LogPosterior::Density LogPosterior::density(const Point& at, bool slopes) const 
   for (const auto& h : hypotheses_) {
     const Likelihood l = likelihood(h, h.data - h.coefficients * x, out.variance);
     logs.push_back(l.value + h.log_weight);
-    if (slopes) {
+    if (with_gradients) {
       const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.inflation).sum());
       gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
     }
@@ -183,7 +183,7 @@ LogPosterior::Density LogPosterior::density(const Point& at, bool slopes) const 
   for (std::size_t j = 0; j < gradients.size(); ++j) out.likelihood_gradient += out.weights[j] * gradients[j];
 
   out.prior_gradient = Eigen::VectorXd::Zero(n);
-  const Eigen::VectorXd by_u = box_.slope(at.u);
+  const Eigen::VectorXd by_u = box_.derivative(at.u);
   for (Eigen::Index i = 0; i < f; ++i) {
     const Eigen::Index k = free_[std::size_t(i)];
     const double t = at.theta[std::size_t(k)];
@@ -213,7 +213,7 @@ double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::V
     return -infinity;
   }
   Eigen::VectorXd by_u = power_ * density.likelihood_gradient + density.prior_gradient;
-  const Eigen::VectorXd slope = box_.slope(at.u);
+  const Eigen::VectorXd slope = box_.derivative(at.u);
   for (Eigen::Index i = 0; i < Eigen::Index(free_.size()); ++i) {
     const Eigen::Index k = free_[std::size_t(i)];
     const Parameter& p = box_.parameters()[std::size_t(k)];

@@ -16,7 +16,7 @@ struct BeyondPrior {
   double mean = 0, sd = 0;
 };
 
-/// One hypothesis about the errors of records, (size) values each: Gaussian, or Student's t where their scale was learnt from few squares.
+/// One hypothesis about the errors of records, (size) values each: Gaussian, or Student's t where their scale was estimated from few squares.
 struct RecordErrors {
   Eigen::MatrixXd covariance;  ///< (size, size)
   Eigen::VectorXd data;        ///< (size)
@@ -29,8 +29,8 @@ struct RecordErrors {
 ///   L = sum_j w_j L_j,  log L_j = -1/2 sum_i [ln(1 + v l_i) + r_i^2 / (1 + v l_i)] + const,
 ///
 /// r = A (records - emulator(theta, k)) in coordinates in which the covariance of the errors of hypothesis j is 1 and the numerical noise's is diag(l),
-/// v(theta, k) the emulator's variance in units of that noise. (Student's t where the errors' scale was learnt from few squares.) There is one hypothesis, or
-/// one for each scale and correlation time of a discrepancy, which is marginalised so.
+/// v(theta, k) the emulator's variance in units of that noise. (Student's t where the errors' scale was estimated from few squares.) There is one hypothesis,
+/// or one for each scale and correlation time of a discrepancy, which is marginalised so.
 ///
 /// Coordinates: the parameters that are free, then k where there are two meshes or more and its prior has a width. The box of the emulator is the support.
 /// `q` are the unconstrained ones: the logit of each parameter's place in the box, and k itself.
@@ -86,12 +86,12 @@ class LogPosterior {
     Eigen::VectorXd likelihood_gradient, prior_gradient;
     [[nodiscard]] double log_posterior() const { return log_likelihood + log_prior; }
   };
-  /// slopes: without them likelihood_gradient is 0, and it takes half the time.
-  [[nodiscard]] Density density(const Point& point, bool slopes = true) const;
+  /// gradients: without them likelihood_gradient is 0, and the call takes half the time.
+  [[nodiscard]] Density density(const Point& point, bool gradients = true) const;
   /// log likelihood of another prediction of the records, (size) on the grid, with `variance` in place of the emulator's: a run of the finest mesh has 1.
   [[nodiscard]] double log_likelihood_of(const Eigen::VectorXd& prediction, double variance) const;
 
-  /// Density by q: log L + log prior + log |d(theta, k) / dq|. `gradient` (dimension) is filled where it is asked for.
+  /// Density by q: log L + log prior + log |d(theta, k) / dq|. `gradient` (dimension) is filled where it is requested.
   double log_density(const Eigen::VectorXd& q, Eigen::VectorXd* gradient = nullptr) const;
   /// Density whose top is the mode that is reported, as a function of q: log L + log prior, of the logarithm of a parameter with a lognormal prior.
   double mode_density(const Eigen::VectorXd& q, Eigen::VectorXd* gradient = nullptr) const;

@@ -39,7 +39,7 @@ class Cost final : public ceres::FirstOrderFunction {
 Eigen::VectorXd slope_at(const LogPosterior& posterior, const LogPosterior::Point& at) {
   const auto density = posterior.density(at);
   Eigen::VectorXd g = density.likelihood_gradient + density.prior_gradient;
-  const Eigen::VectorXd by_u = posterior.box().slope(at.u);
+  const Eigen::VectorXd by_u = posterior.box().derivative(at.u);
   for (Eigen::Index i = 0; i < Eigen::Index(posterior.free().size()); ++i) {
     const Eigen::Index k = posterior.free()[std::size_t(i)];
     if (posterior.box().parameters()[std::size_t(k)].prior == "lognormal") g[i] += by_u[k] / at.theta[std::size_t(k)];
@@ -108,19 +108,19 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
 double log_evidence(const LogPosterior& posterior, const LocalMode& m) {
   const auto n = double(posterior.dimension());
   return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + Cholesky(m.covariance).half_log_determinant() +
-         posterior.box().slope(m.at.u)(posterior.free()).array().abs().log().sum();
+         posterior.box().derivative(m.at.u)(posterior.free()).array().abs().log().sum();
 }
 
 Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& m) {
   const auto f = Eigen::Index(posterior.free().size());
-  const Eigen::VectorXd by_u = posterior.box().slope(m.at.u)(posterior.free());
+  const Eigen::VectorXd by_u = posterior.box().derivative(m.at.u)(posterior.free());
   return by_u.asDiagonal() * m.covariance.topLeftCorner(f, f) * by_u.asDiagonal();
 }
 
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed, double widening) {
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed, double inflation) {
   const Eigen::Index d = posterior.box().size();
   const auto f = Eigen::Index(posterior.free().size());
-  const Eigen::MatrixXd root = widening * Cholesky(m.covariance).lower();
+  const Eigen::MatrixXd root = inflation * Cholesky(m.covariance).lower();
   const Eigen::VectorXd middle = coordinates(posterior, m.at);
   RandomStream random(seed, 0);
   Eigen::MatrixXd draws(d + 1, Eigen::Index(n));

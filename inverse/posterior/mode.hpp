@@ -16,7 +16,7 @@ struct LocalMode {
   double mode_density = 0;
   Eigen::MatrixXd
       covariance;       ///< of (u of the free parameters, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
-  double gradient = 0;  ///< largest slope of the density along a coordinate, times its standard deviation
+  double gradient = 0;  ///< largest derivative of the density along a coordinate, times its standard deviation
   int iterations = 0;
 };
 
@@ -34,6 +34,6 @@ Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalM
 
 /// Draws from the Gaussian about a mode, `widening` times its deviations, that lie in the box: (n_parameters + 1, n), u of all parameters and k.
 /// Fewer where hardly any do.
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed, double widening = 1);
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed, double inflation = 1);
 
 }  // namespace calomel

@@ -21,7 +21,8 @@ double logistic(double q) { return q >= 0 ? 1 / (1 + std::exp(-q)) : std::exp(q)
 ModelPosterior::ModelPosterior(const ForwardModel& model, std::optional<ErrorModel> errors)
     : model_(model), errors_(std::move(errors)), priors_(priors_of(model.shape().parameters)) {
   for (std::size_t k = 0; k < priors_.size(); ++k) {
-    low_.push_back(std::max(parameters()[k].min, priors_[k].low())), high_.push_back(std::min(parameters()[k].max, priors_[k].high()));
+    low_.push_back(std::max(parameters()[k].min, priors_[k].low()));
+    high_.push_back(std::min(parameters()[k].max, priors_[k].high()));
     if (!(low_[k] < high_[k])) throw InputError({.problem = "the prior has no probability between the bounds", .key = "parameter." + parameters()[k].name});
   }
   if (!errors_) return;

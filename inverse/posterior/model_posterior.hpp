@@ -1,5 +1,6 @@
 #pragma once
-/// The posterior density of a quick model's parameters by the model itself, without an emulator; or that of a model which is a log density already.
+/// The posterior density of the parameters of a model with cheap runs, by the model itself, without an emulator; or that of a model which is a log density
+/// already.
 #include <Eigen/Core>
 #include <atomic>
 #include <optional>
@@ -15,7 +16,7 @@
 namespace calomel {
 
 /// log p(theta | records) = log L + log prior on the parameters' bounds, with log L of the records' errors: Gaussian, or Student's t where their scale was
-/// learnt from few squares. Without errors the model's one value stands for log L.
+/// estimated from few squares. Without errors the model's one value is log L.
 ///
 /// Coordinates q are unconstrained: the logit of a parameter's place between its bounds, those of its prior's support where these are narrower.
 class ModelPosterior {

@@ -69,7 +69,7 @@ class Search {
     }
     return out;
   }
-  /// Density of theta as a residual each, and its slope by the coordinate.
+  /// Density of theta as a residual each, and its gradient by the coordinate.
   [[nodiscard]] double prior_residual(Eigen::Index k, double x) const {
     const auto& p = priors_[std::size_t(k)];
     if (parameter(k).prior == "lognormal") {  // by its logarithm, as the posterior's mode
@@ -132,10 +132,10 @@ class Residuals : public ceres::CostFunction {
   bool Evaluate(double const* const* at, double* residuals, double** jacobians) const override {
     const Eigen::Index d = search_.dimension(), n = search_.values();
     const Eigen::Map<const Eigen::VectorXd> x(at[0], d);
-    const bool slopes = jacobians && jacobians[0];
-    Eigen::MatrixXd points = x.replicate(1, slopes ? d + 1 : 1);
+    const bool gradients = jacobians && jacobians[0];
+    Eigen::MatrixXd points = x.replicate(1, gradients ? d + 1 : 1);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(d);
-    if (slopes)
+    if (gradients)
       for (Eigen::Index k = 0; k < d; ++k) {
         step[k] = difference * search_.width(k);
         if (x[k] + step[k] > search_.parameter(k).coordinate(search_.parameter(k).max)) step[k] = -step[k];
@@ -146,7 +146,7 @@ class Residuals : public ceres::CostFunction {
     Eigen::Map<Eigen::VectorXd> out(residuals, n + d);
     out.head(n) = r.col(0);
     for (Eigen::Index k = 0; k < d; ++k) out[n + k] = search_.prior_residual(k, x[k]);
-    if (!slopes) return true;
+    if (!gradients) return true;
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[0], n + d, d);
     j.setZero();
     for (Eigen::Index k = 0; k < d; ++k) {
@@ -188,7 +188,7 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     for (Eigen::Index k = 0; k < d; ++k) cost += std::pow(search.prior_residual(k, design(k, i)), 2);
     if (std::isfinite(cost)) order.emplace_back(cost, i);
   }
-  if (order.empty() && options.starts.empty()) throw NumericsError("no run of the model came through: " + search.message());
+  if (order.empty() && options.starts.empty()) throw NumericsError("no run of the model succeeded: " + search.message());
   std::sort(order.begin(), order.end());
   std::vector<Eigen::VectorXd> from;
   for (const auto& start : options.starts) from.push_back(search.coordinates(start));
@@ -210,7 +210,7 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     solver.function_tolerance = options.tolerance;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    if (!summary.IsSolutionUsable()) continue;  // its cost says nothing: of a start that could not be evaluated it is -1
+    if (!summary.IsSolutionUsable()) continue;  // its cost is meaningless: -1 for a start that could not be evaluated
     std::vector<double> end;
     for (Eigen::Index k = 0; k < d; ++k) end.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
     out.ends.push_back(end);
@@ -218,8 +218,8 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     Eigen::VectorXd residuals(search.values() + d);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(residuals.size(), d);
     const double* at = x.data();
-    double* slopes = jacobian.data();
-    if (!Residuals(search).Evaluate(&at, residuals.data(), &slopes)) continue;
+    double* gradients = jacobian.data();
+    if (!Residuals(search).Evaluate(&at, residuals.data(), &gradients)) continue;
     best = summary.final_cost;
     out.theta = std::move(end);
     // A direction that neither data nor prior know is as wide as the prior.
@@ -247,7 +247,7 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
                                              .tolerance = polish_tolerance,
                                              .starts = {m.at.theta},
                                              .errors = &likeliest.errors});
-  } catch (const NumericsError&) {  // no run came through
+  } catch (const NumericsError&) {  // no run succeeded
     return fit;
   }
   // The better one by the model itself: the box may end before the polished one.

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a quick model fits its records, found by runs of the model itself: the first box of its emulator, and the starts of its chains.
+/// Multistart least squares of a model with cheap runs. It gives the first box of the emulator and the starts of the chains.
 #include <optional>
 
 #include "inverse/posterior/posterior_fit.hpp"
@@ -12,7 +12,7 @@ struct MultistartFit {
   std::vector<std::vector<double>> ends;  ///< of all descents, among them `theta`
   double chi2 = 0;                        ///< of the records' errors
   Eigen::Index values = 0;                ///< records' values compared
-  int runs = 0;                           ///< that were asked for
+  int runs = 0;                           ///< that were requested
 };
 
 /// Where the search begins.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
-#include "inverse/posterior/pulls.hpp"
+#include "inverse/posterior/prior_deviations.hpp"
 
 namespace calomel {
 
@@ -47,12 +47,12 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters,
           {"rounds", rounds},
           {"levels", levels},
           {"covariance_shares", shares_json(*fit.errors)},
-          {"pulls", pulls_json(residual_of(fit))}};
+          {"pulls", prior_deviations_json(residual_of(fit))}};
 }
 
-Json pulls_json(const FitResidual& left) {
+Json prior_deviations_json(const FitResidual& left) {
   Json all = Json::array();
-  for (const auto& p : pulls(left)) all.push_back({{"term", p.term}, {"gauge", p.gauge}, {"pull", number(p.pull)}, {"sd", number(p.sd)}});
+  for (const auto& p : prior_deviations(left)) all.push_back({{"term", p.term}, {"gauge", p.gauge}, {"pull", number(p.deviation)}, {"sd", number(p.sd)}});
   return all;
 }
 

@@ -24,7 +24,7 @@ constexpr double much_missed = 0.02;           ///< variance of the emulator ove
 constexpr double times_run_variance = 2;       ///< and beyond so many times the variance of one run, which is known from two runs
 constexpr double shrunk_anyway = 0.6;          ///< of its width
 constexpr int spare = 4;                       ///< runs over coefficients to begin with
-constexpr double least_spare = 1.3;            ///< the same of a mesh alone, whatever is asked for
+constexpr double least_spare = 1.3;            ///< the same of a mesh alone, whatever is requested
 constexpr int ample = 2, cheap = 48;           ///< the same at least where runs cost little and have no noise, and how many it takes then by default
 
 class Fit {
@@ -118,7 +118,7 @@ void Fit::choose_runs() {
     if (out_.runs[i].record.done && box_.contains(out_.runs[i].theta)) out_.used.push_back(i);
 }
 
-/// Brings every level to the number of runs that it begins with; the fine ones stand at points of the coarse ones.
+/// Brings every level to the number of runs that it begins with; the fine ones use points of the coarse ones.
 void Fit::fill_box(std::uint64_t index) {
   choose_runs();
   std::vector<int> there(std::size_t(in_.levels), 0), known = there;
@@ -197,7 +197,7 @@ void Fit::shrink_box() {
   out_.rounds.back().shrank_box = true;
 }
 
-/// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it stays.
+/// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it remains.
 bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
   const Eigen::VectorXd clear = (in_.box.shrinks() ? clear_of_edge_shrinking : in_.box.clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < posterior.free().size(); ++i) {
@@ -222,7 +222,7 @@ void Fit::fit() {
   EmulatorRuns runs{.u = Eigen::MatrixXd(d, n), .level = {}, .levels = in_.levels};
   int fine = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const TaughtRun& r = out_.runs[out_.used[std::size_t(i)]];
+    const TrainingRun& r = out_.runs[out_.used[std::size_t(i)]];
     runs.u.col(i) = box_.u(r.theta);
     runs.level.push_back(r.level);
     fine += r.level == 0;
@@ -233,7 +233,7 @@ void Fit::fit() {
     for (const auto& r : out_.runs)
       if (!r.record.done) reason = r.record.message;
     throw NumericsError(
-        fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
+        fmt::format("the emulator has {} coefficients and only {} runs succeeded in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
   }
   const Eigen::MatrixXd histories = out_.histories();
   const bool slopes =
@@ -246,7 +246,7 @@ void Fit::fit() {
   const Eigen::MatrixXd outputs = plain.grid().apply(histories);
   const MultilevelRegression regression(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()) / outputs.cwiseAbs2().mean());
 
-  // Errors where the answer stands: at the box's middle first, at the last mode later.
+  // Errors at the present result: at the box's middle first, at the last mode later.
   const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
   if (slopes) directions.energy_slope = out_.histories(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
   directions.mesh = in_.levels > 1 ? 0 : in_.mesh;

@@ -33,7 +33,7 @@ struct EmulatorOptions {
     v("element_sizes", element_sizes,
       {.unit = "m",
        .range = above(0),
-       .doc = "of the meshes whose runs train the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
+       .doc = "of the meshes whose runs train the emulator, finest last; default: the case's element_size and its half. The result is that of the last one"});
     v("viscosity", viscosity,
       {.unit = "Pa s",
        .range = above(0),
@@ -46,8 +46,8 @@ struct EmulatorOptions {
     v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
     v("enough", enough,
       {.range = above(0),
-       .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
-    v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
+       .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean is stable"});
+    v("stable", stable, {.range = above(0), .doc = "the mean is stable if a round changes it by less than this, in standard deviations"});
     v("start", start,
       {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the "
               "other where not (auto)",
@@ -65,8 +65,8 @@ struct EmulatorOptions {
   [[nodiscard]] int coarser_to_begin(Eigen::Index parameters) const;
 };
 
-/// A run that the emulator may learn from.
-struct TaughtRun {
+/// A run on which the emulator may be trained.
+struct TrainingRun {
   std::vector<double> theta;
   int level = 0;
   RunRecord record;
@@ -96,7 +96,7 @@ struct BoxStrategy {
     least_squares
   };
   Kind kind = Kind::follow;
-  /// Least distance between the mode and an edge of a box that follows it, in standard deviations of the posterior; nearer, the box is placed anew. A box that
+  /// Least distance between the mode and an edge of a box that follows it, in standard deviations of the posterior; nearer, the box is placed again. A box that
   /// shrinks has 1, since the deviations still shrink from round to round.
   double clear_of_edge = 2;
   /// Variance of one run about the model's mean, summed over the values compared, where the model does not repeat itself. No narrower box removes it, so that
@@ -128,10 +128,10 @@ struct PosteriorInputs {
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
   BoxStrategy box;
-  /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
+  /// A nested hypothesis, by these parameters (index, value) held, and its assumed place, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
-  std::vector<TaughtRun> known;            ///< runs that are there already
+  std::vector<TrainingRun> known;          ///< runs that are there already
   std::size_t known_dimension = 0;         ///< they differ in the first so many parameters
   std::vector<std::string> identified;     ///< InferenceHints::identified
   std::vector<PowerProduct> combinations;  ///< InferenceHints::combinations
@@ -142,12 +142,12 @@ struct PosteriorInputs {
   /// Number of runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a box that shrinks at least twice its
   /// coefficients.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters) const;
-  /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`:
-  /// of a mesh that adds a linear difference.
+  /// Of the runs that a box begins with on a mesh, greatest number that known ones may replace: the share of its coefficients that their parameters have.
+  /// `linear`: of a mesh that adds a linear difference.
   [[nodiscard]] int stood_for(int runs, bool linear) const;
 };
 
-/// One round: what was run and where the answer stood after it.
+/// One round: its runs and the mode after it.
 struct PosteriorRound {
   int coarse = 0, fine = 0, failed = 0;  ///< runs so far
   std::vector<double> theta;             ///< the mode
@@ -181,7 +181,7 @@ struct PosteriorFit {
   std::vector<LocalMode> modes;            ///< best first
   std::optional<LogPosterior> nested;      ///< with PosteriorInputs::held, on the same emulator and under the same errors
   std::vector<LocalMode> nested_modes;
-  std::vector<TaughtRun> runs;  ///< all; those of `used` lie in the box
+  std::vector<TrainingRun> runs;  ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
   Eigen::VectorXd run_at_mode;   ///< (values of the model), of a fit that is held_to_the_model(); else empty
@@ -196,7 +196,7 @@ struct PosteriorFit {
   [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
-  /// What the emulator says at a point, (size) on the grid.
+  /// The prediction of the emulator at a point, (size) on the grid.
   [[nodiscard]] Eigen::VectorXd prediction(const LogPosterior::Point& at) const;
   /// The hypothesis about the errors that is likeliest at the highest mode.
   [[nodiscard]] const WeightedErrors& likeliest() const { return hypotheses[posterior->likeliest(modes[0].at)]; }

@@ -18,7 +18,7 @@ namespace {
 constexpr double first_box_of_prior = 2;       ///< half width of a first box that the priors decide, in prior standard deviations
 constexpr double least_surrogate_error = 0.1;  ///< over the local amplitude, in the search of the basin
 constexpr double most_jitter = 1;              ///< between two runs of nearly one point, in standard errors of all records together; with more, finite
-                                               ///< differences of the model say nothing
+                                               ///< differences of the model contain no information
 
 /// The prior of an uncertain number, by the options that have its name.
 struct NuisancePrior {
@@ -59,7 +59,7 @@ void hold_times_to_the_records(PosteriorInputs& in, const PosteriorCase& c, bool
   const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
   const auto windows = grid.windows(0);
   const double apart =
-      windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value stands for the record
+      windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value represents the record
   if (own_times && !c.settings.discrepancy_times_given)
     for (auto& time : in.errors.discrepancy_times) time = std::max(time, apart);
   if (own_times && !c.settings.amplitude_time_given) in.errors.amplitude_time = std::max(in.errors.amplitude_time, apart);

@@ -155,13 +155,11 @@ std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters, c
         p.sigma = known->sd;
       }
     } else if (p.prior == "uniform") {
-      throw InputError(
-          {.problem = "a uniform prior together with a free discrepancy does not identify a parameter: the discrepancy explains whatever it does",
-           .key = "parameter." + p.name + ".prior",
-           .value = "\"uniform\"",
-           .range = "normal, lognormal, truncated_normal, half_cauchy, beta",
-           .suggestion =
-               "say what is known of it beforehand, such as prior = \"normal\" with mean and sd (calibrate and sample also take map.product = \"tuned\")"});
+      throw InputError({.problem = "a uniform prior together with a free discrepancy does not identify a parameter: the discrepancy explains whatever it does",
+                        .key = "parameter." + p.name + ".prior",
+                        .value = "\"uniform\"",
+                        .range = "normal, lognormal, truncated_normal, half_cauchy, beta",
+                        .suggestion = "state its prior, such as prior = \"normal\" with mean and sd (calibrate and sample also take map.product = \"tuned\")"});
     }
   }
   return parameters;

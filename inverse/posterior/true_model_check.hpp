@@ -1,5 +1,5 @@
 #pragma once
-/// Whether the true model lies where the emulator says, in the emulator's own deviations.
+/// Whether the true model agrees with the emulator, in the emulator's own deviations.
 #include <cstdint>
 #include <vector>
 
@@ -20,10 +20,11 @@ struct CheckedRun {
 
 struct TrueModelCheck {
   std::vector<CheckedRun> runs;
-  int done = 0;         ///< number of runs that came through
-  double score = 0;     ///< mean over the runs done
-  double score_sd = 0;  ///< of that mean where the emulator's promise holds, by its effective number of values and that of the squares it learnt the noise from
-  double p_value = 1;   ///< share of such means that would be as great where the promise holds: Fisher's F of those two numbers
+  int done = 0;      ///< number of runs that came through
+  double score = 0;  ///< mean over the runs done
+  /// Standard deviation of that mean if the emulator is right, by its effective number of values and that of the squares from which the noise was estimated.
+  double score_sd = 0;
+  double p_value = 1;               ///< share of such means that would be as great if the emulator is right: Fisher's F of those two numbers
   double log_likelihood_shift = 0;  ///< root mean square over fine runs of (log likelihood by the run - log likelihood by the emulator)
   bool holds = false;               ///< p_value above 0.001
 };

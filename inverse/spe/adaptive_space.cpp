@@ -43,7 +43,7 @@ std::vector<std::pair<double, Term>> margin_of(const Terms& terms, const Eigen::
       ++next[k];
       if (terms.contains(next) || !admissible(terms, next)) continue;
       auto& w = margin[next];
-      w = std::max(w, j == 0 ? 0.0 : weight);  // the constant says nothing of directions
+      w = std::max(w, j == 0 ? 0.0 : weight);  // the constant contains no information on directions
     }
     ++j;
   }

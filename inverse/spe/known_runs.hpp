@@ -1,5 +1,5 @@
 #pragma once
-/// The runs of the true model that sparse polynomial expansion calibration learns from: those of the campaign, and those that it adds.
+/// The runs of the true model that sparse polynomial expansion calibration is trained on: those of the campaign, and those that it adds.
 #include <Eigen/Core>
 #include <vector>
 

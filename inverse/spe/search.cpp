@@ -40,7 +40,7 @@ std::vector<Optimum> distinct(std::vector<DgsTrial> trials) {
   return out;
 }
 
-/// Median over the surrogates of what they say at points of the unit box, as a cost.
+/// Median over the surrogates of their predictions at points of the unit box, as a cost.
 std::vector<double> median_costs(const std::vector<SparsePolynomial>& surrogates, const Eigen::MatrixXd& units, const std::string& transform) {
   std::vector<std::vector<double>> all(std::size_t(units.cols()));
   std::vector<double> values(all.size());
@@ -67,7 +67,7 @@ void expect_one_surrogate(const std::vector<SparsePolynomial>& surrogates, const
 
 void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
   if (data.values.size() > 0 && data.values.maxCoeff() == data.values.minCoeff())
-    throw InputError({.problem = fmt::format("the misfit is {:.6g} at every one of {} runs: it does not depend on the parameters, or too few runs came through",
+    throw InputError({.problem = fmt::format("the misfit is {:.6g} at every one of {} runs: it does not depend on the parameters, or too few runs succeeded",
                                              data.values[0], data.values.size()),
                       .key = "parameter",
                       .suggestion = "vary a number of the case that the records see; more runs: campaign.runs, spe.zoom_runs"});

@@ -13,7 +13,7 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
 void search_round(SpeSummary& out, const Bounds& box, const Feasibility& feasibility, const SpeOptions& options, std::uint64_t seed, int threads,
                   const CalibrationProgress& progress);
 
-/// Points as proposals with what the surrogates of `box` say of them, NaN outside of it.
+/// Points as proposals with the predictions of the surrogates of `box`, NaN outside of it.
 std::vector<Proposal> proposals(const SpeSummary& s, const Bounds& box, const std::string& transform, const std::vector<std::vector<double>>& thetas);
 
 /// The modes, densest first, then the optima, best first.

@@ -51,7 +51,7 @@ class SpeRounds {
   }
 
   /// The true model at the best of a round.
-  void ask(const std::vector<Proposal>& ranked) {
+  void run(const std::vector<Proposal>& ranked) {
     std::vector<std::vector<double>> points;
     for (const auto& p : spread_out(ranked, std::size_t(options_.candidates), options_.separation, box_))
       if (!known_.knows(p.theta)) points.push_back(p.theta);
@@ -142,7 +142,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   for (int round = 0;; ++round) {
     ranked = rounds.search();
     if (round == rounds.rounds()) break;
-    rounds.ask(ranked);
+    rounds.run(ranked);
     rounds.zoom(round);
   }
   out.runs_added = rounds.known().added();

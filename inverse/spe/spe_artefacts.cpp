@@ -14,7 +14,7 @@ Json choice(const LambdaChoice& c, double lambda_max) {
   return {{"lambda", number(c.lambda)}, {"fraction", number(c.lambda / lambda_max)}, {"mean_squared_error", number(c.error)}};
 }
 
-/// Smallest, mean and largest over the surrogates that stand.
+/// Smallest, mean and largest over the valid surrogates.
 template <class Get>
 Json range_of(const SpeSummary& s, const Get& get) {
   double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0;

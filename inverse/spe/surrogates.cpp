@@ -123,7 +123,7 @@ SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOpt
   std::mutex lock;
   std::size_t finished = 0;
   parallel_for(out.spaces.size(), threads, [&](std::size_t i) {
-    const std::size_t s = out.spaces.size() - 1 - i;  // the largest tend to stand last: begin with them
+    const std::size_t s = out.spaces.size() - 1 - i;  // the largest tend to be last: begin with them
     fits[s] = fit_space(out.spaces[s], data, options, seed);
     const std::lock_guard guard(lock);
     if (done) done(++finished, out.spaces.size());

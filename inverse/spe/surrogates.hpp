@@ -29,7 +29,7 @@ struct LambdaChoice {
   double lambda = 0, error = 0;
 };
 
-/// One space with what its runs say about lambda.
+/// One space with the information of its runs on lambda.
 struct SpaceChoice {
   PolynomialSpace space;
   std::size_t terms = 0;

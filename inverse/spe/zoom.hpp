@@ -11,7 +11,7 @@ namespace calomel {
 bool at_edge(const Bounds& bounds, const Bounds& now, const std::vector<double>& best);
 
 /// The box of the next round, about the best run: half of each side of `now`, but where the best lies at the edge of `now`, and when not `smaller`, the side
-/// stays as it is and only moves. The box lies within `bounds`, but may leave `now`.
+/// remains as it is and only moves. The box lies within `bounds`, but may leave `now`.
 Bounds next_box(const Bounds& bounds, const Bounds& now, const std::vector<double>& best, bool smaller);
 
 /// `runs` Chebyshev points of the box, in natural units, (n_parameters, runs).

@@ -30,7 +30,7 @@ namespace {
 
 constexpr double steel_density = 7960, young = 193e9, poisson = 0.29, mercury_density = 13500, mercury_speed = 1450;
 constexpr double bulk_modulus = mercury_density * mercury_speed * mercury_speed;
-constexpr double shear_share = 1e-5;  ///< G / K of the elastic body that stands for the liquid
+constexpr double shear_share = 1e-5;  ///< G / K of the elastic body that represents the liquid
 
 /// Relative strain over a pair of nodes.
 struct Gauge {
@@ -75,7 +75,8 @@ NodeId nearest(const Mesh& mesh, const Vec3& x) {
 
 Gauge gauge(const Mesh& mesh, const std::string& name, const Vec3& at, int axis, double length) {
   Vec3 a = at, b = at;
-  a[std::size_t(axis)] -= length / 2, b[std::size_t(axis)] += length / 2;
+  a[std::size_t(axis)] -= length / 2;
+  b[std::size_t(axis)] += length / 2;
   return {name, nearest(mesh, a), nearest(mesh, b)};
 }
 
@@ -121,18 +122,21 @@ History pressure(double size, double rise, double end) {
   constexpr int pieces = 40;
   for (int i = 0; i <= pieces && rise > 0; ++i) h.time.push_back(rise * i / pieces), h.value.push_back(-size * std::pow(std::sin(M_PI / 2 * i / pieces), 2));
   if (rise == 0) h.time = {0}, h.value = {-size};
-  h.time.push_back(2 * end), h.value.push_back(-size);
+  h.time.push_back(2 * end);
+  h.value.push_back(-size);
   return h;
 }
 
 Result run_own(const Case& c) {
   RunSetup s;
-  s.steel_density = steel_density, s.liquid_density = mercury_density;
+  s.steel_density = steel_density;
+  s.liquid_density = mercury_density;
   s.steel = LinearElastic::from_young(young, poisson);
   s.liquid = {bulk_modulus, std::numeric_limits<double>::infinity(), 0};
   s.hourglass = 0.02;  // as in docs/benchmarks/calculix.md
   s.end_stress = c.load;
-  s.end = c.end, s.output_interval = c.output_interval;
+  s.end = c.end;
+  s.output_interval = c.output_interval;
   if (c.heating > 0) {
     s.p0.assign(c.mesh.elements.size(), 0);
     for (std::size_t e = 0; e < s.p0.size(); ++e)
@@ -287,7 +291,9 @@ Case steel_block(double h, double rise, const std::string& type) {
          .mesh = {},
          .steel_type = type};
   c.mesh = block({0.06, 0.02, 0.02}, h, Region::steel, false, 1);
-  c.end = 40e-6, c.output_interval = 0.5e-6, c.ccx_step = 25e-9 * h / 0.001;
+  c.end = 40e-6;
+  c.output_interval = 0.5e-6;
+  c.ccx_step = 25e-9 * h / 0.001;
   c.load = pressure(10e6, rise, c.end);
   c.gauges = {gauge(c.mesh, "x = 20 mm, along x", {0.02, 0.012, 0.02}, 0, 0.008), gauge(c.mesh, "x = 40 mm, along x", {0.04, 0.012, 0.02}, 0, 0.008),
               gauge(c.mesh, "x = 28 mm, along y", {0.028, 0.008, 0.02}, 1, 0.008)};
@@ -298,7 +304,9 @@ Case steel_block(double h, double rise, const std::string& type) {
 Case liquid_block(double h, double rise, const std::string& type) {
   Case c{.name = "liquid", .what = fmt::format("liquid block, {:g} mm, rise {:g} µs", 1e3 * h, 1e6 * rise), .mesh = {}, .mercury_type = type};
   c.mesh = block({0.06, 0.008, 0.024}, h, Region::mercury, true, 0.012);
-  c.end = 80e-6, c.output_interval = 1e-6, c.ccx_step = 0.05e-6 * h / 0.001;
+  c.end = 80e-6;
+  c.output_interval = 1e-6;
+  c.ccx_step = 0.05e-6 * h / 0.001;
   c.load = pressure(1e6, rise, c.end);
   c.gauges = {gauge(c.mesh, "x = 20 mm, z = 0, along x", {0.02, 0, 0}, 0, 0.008), gauge(c.mesh, "x = 40 mm, z = 24 mm, along x", {0.04, 0, 0.024}, 0, 0.008),
               gauge(c.mesh, "x = 20 mm, z = 8 mm, along z", {0.02, 0, 0.008}, 2, 0.008)};
@@ -309,10 +317,21 @@ Case liquid_block(double h, double rise, const std::string& type) {
 Case heated_box(double h, const std::string& type) {
   Case c{.name = "box", .what = fmt::format("steel box of mercury, {:g} mm, heated", 1e3 * h), .mesh = {}, .steel_type = type};
   GeometryOptions g;
-  g.kind = "box", g.length = 0.06, g.width = 0.048, g.height = 0.04, g.wall = 0.004, g.element_size = h, g.rear = "wall", g.half = true, g.wetted = "tied";
+  g.kind = "box";
+  g.length = 0.06;
+  g.width = 0.048;
+  g.height = 0.04;
+  g.wall = 0.004;
+  g.element_size = h;
+  g.rear = "wall";
+  g.half = true;
+  g.wetted = "tied";
   c.mesh = make_mesh(g);
-  c.heating = 10e6, c.ramp = 4e-6;
-  c.end = 50e-6, c.output_interval = 1e-6, c.ccx_step = type == "C3D8I" ? 25e-9 : 0.1e-6;
+  c.heating = 10e6;
+  c.ramp = 4e-6;
+  c.end = 50e-6;
+  c.output_interval = 1e-6;
+  c.ccx_step = type == "C3D8I" ? 25e-9 : 0.1e-6;
   c.gauges = {gauge(c.mesh, "top, middle, along x", {0.03, 0, 0.04}, 0, 0.008), gauge(c.mesh, "top, x = 16 mm, along x", {0.016, 0.008, 0.04}, 0, 0.008),
               gauge(c.mesh, "front, middle, along z", {0, 0, 0.02}, 2, 0.008)};
   return c;

@@ -108,7 +108,7 @@ def draw_slice(draw, element):
 
 
 def call(command, log):
-    """Exit status 4, not to be trusted, is an answer too: the table tells it."""
+    """Exit status 4 (not to be trusted) is a result too: the table reports it."""
     with open(log, "a") as f:
         f.write("$ " + " ".join(command) + "\n")
         f.flush()

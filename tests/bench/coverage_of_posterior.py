@@ -130,10 +130,10 @@ def rows_of(work, name):
     if not os.path.exists(path):
         return []
     with open(path, encoding="utf-8") as f:
-        told = json.load(f)
+        result = json.load(f)
     truth, seed = truth_of(os.path.join(work, "suite"), name), seed_of(work)
     rows = []
-    for form, part in [("posterior", told)] + [(form, told["compared"][form]) for form in FORMS]:
+    for form, part in [("posterior", result)] + [(form, result["compared"][form]) for form in FORMS]:
         region = part["regions"]
         shares = {round(100 * s["share"]): s for s in region["shares"]}
         base = {"seed": seed, "case": name, "form": form, "converged": part["converged"]}

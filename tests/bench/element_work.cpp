@@ -77,10 +77,13 @@ ElementWork work() {
   const Counted any = Counted::measured(0.5), constant(0.3);  // of the element, of the run
   const auto geometry = [&](int) { return any; };
   Counted corners[3][8], modes[3][8], grad[3][3], t[3][3], forces[3][8];
-  measure_all(corners), measure_all(modes), measure_all(forces);
+  measure_all(corners);
+  measure_all(modes);
+  measure_all(forces);
   Sums<Counted> sums;
   LiquidStep<Counted> step;
-  step.bulk_modulus = step.minus_cutoff = step.hourglass = constant, step.p0 = any;
+  step.bulk_modulus = step.minus_cutoff = step.hourglass = constant;
+  step.p0 = any;
   ElementWork w;
   w.to_modes = 3 * operations([&] { to_modes(corners[0], modes[0]); });
   w.to_corners = 3 * operations([&] { to_corners(forces[0], corners[0]); }) + 24;  // each corner's force is added to its node's

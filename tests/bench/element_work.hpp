@@ -12,7 +12,7 @@ namespace calomel {
 
 /// Additions, multiplications and divisions of real numbers in one element's step without an energy balance and without memory of its rate (12 more in a liquid
 /// that closes inelastically), one each; comparisons, changes of sign and what is known before the run count nothing. Found by running the element code of the
-/// kernels on numbers that count, so it is the work that is asked for, whatever the compiler makes of it.
+/// kernels on numbers that count, so it is the work that is requested, whatever the compiler makes of it.
 struct ElementWork {
   int to_modes = 0;    ///< displacements of the corners to modes
   int gradients = 0;   ///< modes to displacement gradients

@@ -37,7 +37,7 @@ def main():
         return values
 
     kinds = {"stretch": None, "de": emcee.moves.DEMove(), "snooker": [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]}
-    told = np.empty((ensembles, walkers, draws, m))
+    quantities = np.empty((ensembles, walkers, draws, m))
     spent = 0.0
     for k in range(ensembles):
         np.random.seed(1000 * seed + k)
@@ -47,8 +47,8 @@ def main():
         sampler.run_mcmc(state, draws, thin_by=thin)
         spent += time.process_time() - began
         chains = np.ascontiguousarray(sampler.get_chain().swapaxes(0, 1))  # (walker, draw, d)
-        lib.constrain(opened, chains.ctypes.data, walkers * draws, told[k].ctypes.data)
-    told.tofile(sys.argv[12])
+        lib.constrain(opened, chains.ctypes.data, walkers * draws, quantities[k].ctypes.data)
+    quantities.tofile(sys.argv[12])
     print(f"{spent} {int(lib.evaluations(opened))} {emcee.__version__}")
 
 

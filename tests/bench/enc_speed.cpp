@@ -52,11 +52,15 @@ struct Bench {
 Bench made_up() {
   const Archive archive = mimic_records(140, 10, 501, 11000, 1200, 1800, 1);
   SurrogateOptions options;
-  options.gaussian_process.iterations = 20, options.modes.energy = 1 - 1e-10;
+  options.gaussian_process.iterations = 20;
+  options.modes.energy = 1 - 1e-10;
   SurrogateSummary summary;
   Bench b{train_surrogate(options, archive, 1, default_threads(), summary), {}};
   Recordings r;
-  r.conditions = archive.shape.conditions, r.sensors = archive.shape.sensors, r.time = archive.shape.times, r.pulses = {0, 1, 2, 3};
+  r.conditions = archive.shape.conditions;
+  r.sensors = archive.shape.sensors;
+  r.time = archive.shape.times;
+  r.pulses = {0, 1, 2, 3};
   r.sensor_lines.assign(r.sensors.size(), 0);
   RandomStream random(2, 0);
   for (std::size_t s = 0; s < r.sensors.size(); ++s)

@@ -71,7 +71,8 @@ void measure_cost(const BuiltInModel& once, const BuiltInModel& lanes, Cost& cos
     (void)mean_of(m);
     least = std::min(least, processor_seconds() - begin);
   };
-  time(once, cost.once), time(lanes, cost.lanes);
+  time(once, cost.once);
+  time(lanes, cost.lanes);
 }
 
 /// Mean over the gauges of the relative L2 difference, over [0, `end`).
@@ -81,7 +82,8 @@ double relative(const ModelShape& shape, const std::vector<double>& a, const std
     double difference = 0, size = 0;
     for (std::size_t t = 0; t < shape.times.size() && shape.times[t] < end; ++t) {
       const std::size_t i = shape.at(0, s, t);
-      difference += std::pow(a[i] - b[i], 2), size += b[i] * b[i];
+      difference += std::pow(a[i] - b[i], 2);
+      size += b[i] * b[i];
     }
     mean += std::sqrt(difference / size) / double(shape.sensors.size());
   }

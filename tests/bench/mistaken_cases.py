@@ -5,7 +5,7 @@
   mistaken_cases.py table SUITE WORK_DIR
 
 SUITE is a suite of `calomel challenge` whose cases are made, WORK_DIR/CASE_WAY what is made of a case. Of each case that is named one number of the case file or of its records is wrong in one way after the other, as by a slip
-of the hand; the posterior is sampled on meshes of 2 and 1 mm. `table` has a line a way of each case: how far the parameters lie from the truth in the deviations told, chi-squared, and what is warned of, the mesh apart. What is
+of the hand; the posterior is sampled on meshes of 2 and 1 mm. `table` has a line a way of each case: how far the parameters lie from the truth in the deviations result, chi-squared, and what is warned of, the mesh apart. What is
 sampled already is not sampled again.
 """
 import json
@@ -80,28 +80,28 @@ def run(args):
 
 
 def short(sentence):
-    """What is said, without what it means."""
-    sentence = re.sub(r"the records pull (.*) by (\S+) of its standard deviations.*", r"\1 \2 sd", sentence)
-    sentence = re.sub(r"(\S+) sits (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
+    """The finding of a sentence, without its explanation."""
+    sentence = re.sub(r"the records shift (.*) by (\S+) of its prior standard deviations.*", r"\1 \2 sd", sentence)
+    sentence = re.sub(r"(\S+) is (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
     return re.sub(r" \((log Bayes factor|correlation).*", "", sentence).split(":")[0]
 
 
 def table(args):
     names = ("tensile_cutoff", "density", "sound_speed")
-    print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | what is said |\n|---|" + "---|" * (len(names) + 2))
+    print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | warnings |\n|---|" + "---|" * (len(names) + 2))
     cases = sorted({name[: -len(way) - 1] for name in os.listdir(args.work) for way in WAYS if name.endswith("_" + way)})
     for case in cases:
         truth = truth_of(args.suite, case)
         for way, (wrong, _, _) in WAYS.items():
             try:
                 with open(os.path.join(args.work, f"{case}_{way}", "out", "posterior.json"), encoding="utf-8") as f:
-                    told = json.load(f)
+                    result = json.load(f)
             except FileNotFoundError:
                 continue
-            found = {p["name"]: p for p in told["parameters"]}
+            found = {p["name"]: p for p in result["parameters"]}
             off = [f"{(found[n]['mean'] - truth[n]) / found[n]['sd']:+.1f}" for n in names]
-            chi2, values = re.search(r"chi-squared (\S+) for (\d+) values", told["adequacy"]).groups()
-            said = [w for w in told["warnings"] if "elements through the front" not in w] + told["absorption"] + ([] if told["converged"] else [told["message"]])
+            chi2, values = re.search(r"chi-squared (\S+) for (\d+) values", result["adequacy"]).groups()
+            said = [w for w in result["warnings"] if "elements through the front" not in w] + result["absorption"] + ([] if result["converged"] else [result["message"]])
             print(f"| {wrong} | " + " | ".join(off) + f" | {float(chi2):.0f} of {values} | {'; '.join(map(short, said)) or 'nothing'} |")
 
 

@@ -66,7 +66,11 @@ std::vector<Target> surrogates_of(const std::string& case_file, const std::files
   std::vector<std::string> warnings;
   const auto problem = make_problem(archive.shape, study.matched_recordings(warnings), *study.recordings);
   SpeOptions options = study.spe;
-  options.total_degree = {15, 16}, options.tensor_product = {}, options.hyperbolic_cross = {}, options.lambda_scale = "cross_validation", options.lambdas = {1};
+  options.total_degree = {15, 16};
+  options.tensor_product = {};
+  options.hyperbolic_cross = {};
+  options.lambda_scale = "cross_validation";
+  options.lambdas = {1};
   const auto data = discrepancies(problem, archive, objectives().get(options.objective), options, 1);
   const auto fitted = fit_sparse_polynomials(data, options, 1, default_threads());
   std::vector<Target> all;
@@ -128,7 +132,8 @@ Curve decay(const Target& target, const std::string& method) {
     double sum = 0, squares = 0;
     for (const auto& t : traces) sum += t[k];
     for (const auto& t : traces) squares += std::pow(t[k] - sum / trials, 2);
-    c.mean.push_back(sum / trials), c.sd.push_back(std::sqrt(squares / (trials - 1)));
+    c.mean.push_back(sum / trials);
+    c.sd.push_back(std::sqrt(squares / (trials - 1)));
   }
   for (const auto& t : traces) c.best = std::min(c.best, t.back()), c.worst = std::max(c.worst, t.back());
   return c;
@@ -147,7 +152,8 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& c : curves[p]) low = std::min(low, c.best), high = std::max(high, c.mean[1]);
     const double margin = 0.04 * (high - low);
-    low -= margin, high += margin;
+    low -= margin;
+    high += margin;
     const auto x = [&](std::size_t k) { return x0 + width * double(k + 1) / iterations; };
     const auto y = [&](double f) { return top + height * (1 - (std::clamp(f, low, high) - low) / (high - low)); };
     s += fmt::format(
@@ -164,7 +170,8 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
       const auto& c = curves[p][m];
       std::string line, band, back;
       for (std::size_t k = 0; k < c.mean.size(); ++k) {
-        line += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k])), band += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k] + 3 * c.sd[k]));
+        line += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k]));
+        band += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k] + 3 * c.sd[k]));
         back = fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k] - 3 * c.sd[k])) + back;
       }
       s += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"0.12\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"/>\n",

@@ -237,11 +237,11 @@ def table(args):
         right = {"none": d["verdict"] == "none", "beyond": d["verdict"] in ("unknown", "none"), "sensor": said == ["sensor_response"]}.get(kind, said == [kind])
         wrong = bool(said) and not right and kind not in said
         number = next((p for p in d["ranking"][0]["parameters"]), None) if right and kind in said else None
-        told = "" if not number else f"{number['mean']:.3g} ± {number['sd']:.2g} (true {truth['number']:.3g})"
+        number_text = "" if not number else f"{number['mean']:.3g} ± {number['sd']:.2g} (true {truth['number']:.3g})"
         family = f"{name.split('_')[0]}, {kind if kind in ('none', 'sensor', 'beyond') else 'a mechanism'}"
         count = total.setdefault(family, [0, 0, 0])
         count[0], count[1], count[2] = count[0] + 1, count[1] + right, count[2] + wrong
-        rows.append(f"| {name} | {truth['distance']:.0f} | {d['verdict']} {'+'.join(said)} | {told} |")
+        rows.append(f"| {name} | {truth['distance']:.0f} | {d['verdict']} {'+'.join(said)} | {number_text} |")
     print("| case | distance | verdict | its number |\n|---|---|---|---|", *rows, sep="\n")
     print("\n| concealed | cases | right | wrong name |\n|---|---|---|---|", *[f"| {k} | {a} | {b} | {c} |" for k, (a, b, c) in sorted(total.items())], sep="\n")
     return 0

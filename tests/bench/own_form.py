@@ -265,11 +265,11 @@ def table(args):
         best = ranked[0]
         lead = best["log_bayes_factor"] - max([0] + [r["log_bayes_factor"] for r in ranked[1:2]])
         own = next((r for r in ranked if r["name"] == name), None)
-        told = ", ".join(f"{p['name'].split('.', 1)[-1]} {p['mean'] if p['mean'] is None else format(p['mean'], '.3g')} ± {p['sd']:.2g}" for p in (own or {"parameters": []})["parameters"] if p["sd"] is not None)
+        numbers_text = ", ".join(f"{p['name'].split('.', 1)[-1]} {p['mean'] if p['mean'] is None else format(p['mean'], '.3g')} ± {p['sd']:.2g}" for p in (own or {"parameters": []})["parameters"] if p["sd"] is not None)
         concealed_numbers = ", ".join(f"{k} {v if isinstance(v, str) else format(v, '.3g')}" for k, v in numbers.items())
         print(f"| {draw} | {name} | {100 * strength(place):.1f} % | {d['verdict']} {' '.join(d['mechanisms'])} | {best['name']} {best['log_bayes_factor']:.1f}, {lead:.1f}"
               + (f"; {name} {own['log_bayes_factor']:.1f}" if own and own is not best else "") + f" | {d['evidence']['chi2']:.0f} to {own['chi2'] if own and own['chi2'] is not None else math.nan:.0f} of {d['evidence']['values']:.0f}"
-              + f" | {off} | {told} ({concealed_numbers}) | {d.get('runs', 0)} |")
+              + f" | {off} | {numbers_text} ({concealed_numbers}) | {d.get('runs', 0)} |")
 
 
 def main():

@@ -29,7 +29,8 @@ LogPosterior posterior_of(int values) {
   Eigen::MatrixXd histories(Eigen::Index(model.shape().values()), 60);
   RandomStream random(1, 0);
   for (Eigen::Index i = 0; i < 60; ++i) {
-    runs.u.col(i) = u.col(i % 45), runs.level.push_back(i < 45 ? 1 : 0);
+    runs.u.col(i) = u.col(i % 45);
+    runs.level.push_back(i < 45 ? 1 : 0);
     const auto p = model.evaluate(box.theta(runs.u.col(i)));
     for (Eigen::Index v = 0; v < histories.rows(); ++v) histories(v, i) = p.mean[std::size_t(v)] * (i < 45 ? 0.97 : 1) + 0.01 * random.normal();
   }

@@ -1,9 +1,8 @@
 // Samplers on the five posteriors with published reference draws, beside Debian's python3-emcee on the same compiled densities: R-hat, effective sample sizes,
-// |z| against the reference, and what they cost. One thread, processor time, warm-up included on both sides. All begin with the same knowledge, a mean and a
-// covariance, as the program begins with the mode and Laplace's covariance: here they are those of a run before, which begins from the poor start of the tests
-// and is not counted.
+// |z| against the reference, and their cost. One thread, processor time, warm-up included on both sides. All start from the same mean and covariance, as the
+// program starts from the mode and Laplace's covariance. A previous run estimates them here; it begins from the poor start of the tests and is not counted.
 //
-//   bench_samplers [POSTERIOR...]     CALOMEL_PYTHON=/usr/bin/python3 names the Python that has emcee; without one there are no rows of it
+//   bench_samplers [POSTERIOR...]     CALOMEL_PYTHON=/usr/bin/python3 names the Python that has emcee; without it the rows of emcee are left out
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,22 +27,39 @@ namespace {
 
 double processor_time() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
-/// A run of either kind.
+/// A run of a sampler or of emcee.
 struct Run {
   std::string name;
   Draws draws;         ///< in natural units
   double seconds = 0;  ///< of processor
   std::size_t evaluations = 0;
-  std::string beside;  ///< what else there is to say
+  std::string beside;  ///< a remark for the last column
 };
 
-/// Lengths at which a row takes seconds, a fifth to a third of them warm-up; a sampler without a line of its own has its defaults.
+/// Lengths with which a row takes seconds; warm-up is a fifth to a third of them. A sampler that is not listed has its defaults.
 SamplerOptions options_of(const std::string& kind) {
   SamplerOptions o = default_sampler_options(kind);
-  if (kind == "dram") o.warmup = 20000, o.draws = 5000, o.thin = 16;
-  if (kind == "nuts") o.warmup = 1000, o.draws = 5000, o.thin = 1;
-  if (kind == "ensemble") o.warmup = 2000, o.draws = 600, o.thin = 10, o.table<WalkerOptions>().walkers = 32, o.dispersion = 1;  // as emcee below
-  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = 5000;
+  if (kind == "dram") {
+    o.warmup = 20000;
+    o.draws = 5000;
+    o.thin = 16;
+  }
+  if (kind == "nuts") {
+    o.warmup = 1000;
+    o.draws = 5000;
+    o.thin = 1;
+  }
+  if (kind == "ensemble") {  // as emcee below
+    o.warmup = 2000;
+    o.draws = 600;
+    o.thin = 10;
+    o.table<WalkerOptions>().walkers = 32;
+    o.dispersion = 1;
+  }
+  if (kind == "delayed_acceptance") {
+    o.warmup = 500;
+    o.draws = 5000;
+  }
   return o;
 }
 
@@ -58,13 +74,13 @@ Run run_of(const std::string& kind, const ReferencePosterior& p, const Json& dat
   return run;
 }
 
-/// What emcee is asked: moves as emcee_chains.py knows them, and lengths.
+/// Settings of emcee: moves in the words of emcee_chains.py, and lengths.
 struct EmceeOptions {
   std::string moves = "stretch";
   std::size_t walkers = 32, warmup = 2000, draws = 600;
 };
 
-/// emcee by emcee_chains.py; no draws when it is not there.
+/// Runs emcee_chains.py. The result has no draws if emcee is missing.
 Run emcee_run(const EmceeOptions& options, const ReferencePosterior& p, const std::vector<std::string>& names, const SamplerStart& start, std::uint64_t seed) {
   constexpr std::size_t ensembles = 4, thin = 10;
   const char* named = std::getenv("CALOMEL_PYTHON");
@@ -88,15 +104,16 @@ Run emcee_run(const EmceeOptions& options, const ReferencePosterior& p, const st
   FILE* pipe = ::popen(command.c_str(), "r");
   double evaluations = 0;
   char version[32] = "";
-  const bool told = pipe && std::fscanf(pipe, "%lf %lf %31s", &run.seconds, &evaluations, version) == 3;
-  const bool well = pipe && ::pclose(pipe) == 0 && told;
+  const bool reported = pipe && std::fscanf(pipe, "%lf %lf %31s", &run.seconds, &evaluations, version) == 3;
+  const bool well = pipe && ::pclose(pipe) == 0 && reported;
   if (!well) return run;
-  run.name = fmt::format("emcee {}, {}, {} walkers", version, options.moves, options.walkers), run.evaluations = std::size_t(evaluations);
+  run.name = fmt::format("emcee {}, {}, {} walkers", version, options.moves, options.walkers);
+  run.evaluations = std::size_t(evaluations);
   run.draws = {.names = names, .chains = ensembles * options.walkers, .draws = options.draws, .values = {}, .walkers = options.walkers};
   run.draws.values.resize(run.draws.chains * options.draws * names.size());
   std::ifstream in(out, std::ios::binary);
   in.read(reinterpret_cast<char*>(run.draws.values.data()), std::streamsize(run.draws.values.size() * sizeof(double)));
-  expect(bool(in), "emcee's draws are as many as were asked");
+  expect(bool(in), "emcee writes the requested number of draws");
   std::filesystem::remove_all(folder);
   return run;
 }
@@ -109,7 +126,9 @@ Judged judge(const Draws& draws) {
   for (std::size_t k = 0; k < draws.names.size(); ++k) {
     const auto values = draws.of(k);
     const ChainDraws x{.values = values, .chains = draws.chains, .walkers = draws.walkers};
-    j.r_hat = std::max(j.r_hat, split_r_hat(x)), j.bulk = std::min(j.bulk, ess_bulk(x)), j.tail = std::min(j.tail, ess_tail(x));
+    j.r_hat = std::max(j.r_hat, split_r_hat(x));
+    j.bulk = std::min(j.bulk, ess_bulk(x));
+    j.tail = std::min(j.tail, ess_tail(x));
   }
   return j;
 }
@@ -122,8 +141,8 @@ void print(const Run& run, const Json& reference) {
   std::fflush(stdout);
 }
 
-/// Mean and covariance by a run of nuts.
-SamplerStart learnt(const LogDensity& density, const ReferencePosterior& p) {
+/// Mean and covariance from a run of nuts.
+SamplerStart estimated(const LogDensity& density, const ReferencePosterior& p) {
   const auto r = run_sampler(density, start_of(p), {.kind = "nuts", .warmup = 1000, .draws = 1000, .thin = 1}, {.seed = 3});
   const Eigen::Map<const Eigen::MatrixXd> x(r.coordinates.values.data(), Eigen::Index(density.dimension()),
                                             Eigen::Index(r.coordinates.chains * r.coordinates.draws));
@@ -141,7 +160,7 @@ int main(int argc, char** argv) {
     if (!only.empty() && std::ranges::find(only, p.name) == only.end()) continue;
     const Json file = reference_file(p);
     if (file.is_null()) {
-      fmt::print(stderr, "the reference posteriors are not here: {}\n", p.file);
+      fmt::print(stderr, "the file of the reference posteriors is missing: {}\n", p.file);
       return 2;
     }
     const auto density = p.make(file["data"], Jacobian::kept);
@@ -149,8 +168,8 @@ int main(int argc, char** argv) {
     fmt::print(
         "| sampler | R-hat | ESS, bulk | ESS, tail | greatest abs(z) | evaluations | processor time [s] | ESS a second | ESS a thousand evaluations | "
         "|\n|---|---|---|---|---|---|---|---|---|---|\n");
-    const SamplerStart start = learnt(*density, p);
-    const auto tell = [&](const auto& run_with) {
+    const SamplerStart start = estimated(*density, p);
+    const auto report = [&](const auto& run_with) {
       const Run first = run_with(1);
       if (first.draws.chains == 0) return;
       print(first, file["reference"]);
@@ -159,11 +178,11 @@ int main(int argc, char** argv) {
       second.name += ", second seed";
       print(second, file["reference"]);
     };
-    for (const auto& kind : samplers().names()) tell([&](std::uint64_t seed) { return run_of(kind, p, file["data"], start, seed); });
+    for (const auto& kind : samplers().names()) report([&](std::uint64_t seed) { return run_of(kind, p, file["data"], start, seed); });
     std::vector<std::string> names;
-    for (const auto& q : density->quantities()) names.push_back(q.name);
+    for (const auto& q : density->quantities()) names.push_back(q);
     // The lengths of options_of for our own ensembles; and many walkers, which share what Python costs a step.
     for (const auto& options : {EmceeOptions{}, EmceeOptions{.moves = "de"}, EmceeOptions{.walkers = 128, .warmup = 1000, .draws = 200}})
-      tell([&](std::uint64_t seed) { return emcee_run(options, p, names, start, seed); });
+      report([&](std::uint64_t seed) { return emcee_run(options, p, names, start, seed); });
   }
 }

@@ -121,7 +121,7 @@ def client(port, message, requests, seconds, new, start, answers):
                 raise OSError(f"status {status}, {body[:200]}")
             n += 1
         answers.put((n, began, time.monotonic(), first))
-    except Exception as e:  # told by the parent
+    except Exception as e:  # reported by the parent
         answers.put(str(e) or repr(e))
 
 
@@ -131,14 +131,14 @@ def rate(port, message, clients, a, new):
     all_ = [multiprocessing.Process(target=client, args=(port, message, a.requests, a.seconds, new, start, answers)) for _ in range(clients)]
     for p in all_:
         p.start()
-    told = [answers.get(timeout=120) for _ in all_]
+    results = [answers.get(timeout=120) for _ in all_]
     for p in all_:
         p.join()
-    if wrong := [t for t in told if isinstance(t, str)]:
+    if wrong := [t for t in results if isinstance(t, str)]:
         sys.exit(wrong[0])
-    if len({t[3] for t in told}) != 1:
+    if len({t[3] for t in results}) != 1:
         sys.exit("two clients got different answers to one request")
-    return sum(t[0] for t in told) / (max(t[2] for t in told) - min(t[1] for t in told)), told[0][3]
+    return sum(t[0] for t in results) / (max(t[2] for t in results) - min(t[1] for t in results)), results[0][3]
 
 
 def serve(program, case, out, threads):

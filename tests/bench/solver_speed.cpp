@@ -6,7 +6,7 @@
 //   bench_solver --kinds                               what an element costs by material and form
 //   bench_solver --ratios                              on one thread and a slice of about 20 000 elements: what gauges cost, what eight runs in the lanes save
 //
-// --jitter moves the nodes at random by up to that share of the shortest edge, so that no element stays a parallelepiped.
+// --jitter moves the nodes at random by up to that share of the shortest edge, so that no element remains a parallelepiped.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -77,7 +77,8 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, const
         if (large && (runs || threads == 1)) continue;
         RunSetup s = model.setup(c, mesh, 0, runs ? pulse_energies({}) : std::vector<double>{1.0});
         SolveOptions o;
-        o.precision = precision, o.threads = threads;
+        o.precision = precision;
+        o.threads = threads;
         // As many outputs as fit the time, at least one.
         s.end = s.output_interval;
         const double first = solver.solve(s, {}, o).wall_seconds;
@@ -102,7 +103,7 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, const
       }
 }
 
-/// What the elements ask for, part by part.
+/// What the elements request, part by part.
 void print_element_work() {
   fmt::print("flops of an element: modes, gradients, strain and stress (pressure), hourglass, spread, corners; all; numbers of geometry\n");
   for (const bool liquid : {true, false})
@@ -117,13 +118,19 @@ void print_element_work() {
 ForwardCase slice_of(double element_size, int gauges) {
   ForwardCase slice;
   slice.geometry.kind = "box";
-  slice.geometry.length = 0.2, slice.geometry.width = 0.1, slice.geometry.height = 0.06, slice.geometry.wall = 0.005;
-  slice.geometry.plane_strain = true, slice.geometry.element_size = element_size;
+  slice.geometry.length = 0.2;
+  slice.geometry.width = 0.1;
+  slice.geometry.height = 0.06;
+  slice.geometry.wall = 0.005;
+  slice.geometry.plane_strain = true;
+  slice.geometry.element_size = element_size;
   slice.load.peak_pressure = 25e6;
   slice.load.profile.center = {0.0, 0.03};
   for (int i = 0; i < gauges; ++i) {
     SensorOptions sensor;
-    sensor.name = fmt::format("G{}", i), sensor.position = {0.2 * (i + 1) / (gauges + 1), 0.0, 0.06}, sensor.direction = {1, 0, 0};
+    sensor.name = fmt::format("G{}", i);
+    sensor.position = {0.2 * (i + 1) / (gauges + 1), 0.0, 0.06};
+    sensor.direction = {1, 0, 0};
     slice.sensors.push_back(sensor);
   }
   return slice;
@@ -135,7 +142,7 @@ double median(std::vector<double> x) {
 }
 
 /// What twelve gauges, read at every output interval, cost, and what eight runs in the lanes save a run: medians of the ratios of neighbouring repetitions
-/// that take turns, by processor time. The first ratio is of two equal runs without gauges: it shows what such a measurement can tell.
+/// that take turns, by processor time. The first ratio is of two equal runs without gauges: it shows the resolution of such a measurement.
 void measure_ratios() {
   const ForwardCase c = slice_of(0.775e-3, 12);
   const BuiltInModel model(c, {}, 1);
@@ -146,7 +153,8 @@ void measure_ratios() {
              1e6 * c.time.output_interval, 9);
   for (const char* precision : {"single", "double"}) {
     RunSetup one = model.setup(c, model.mesh(), 0, {1.0}), group = model.setup(c, model.mesh(), 0, pulse_energies({}));
-    one.end = 40 * one.output_interval, group.end = 10 * one.output_interval;
+    one.end = 40 * one.output_interval;
+    group.end = 10 * one.output_interval;
     SolveOptions o;
     o.precision = precision;
     const auto seconds_a_run = [&](const RunSetup& s, std::span<const ObservationRow> read) {
@@ -156,7 +164,9 @@ void measure_ratios() {
     std::vector<double> same, gauges, lanes;
     for (int turn = 0; turn < 9; ++turn) {
       const double bare = seconds_a_run(one, {}), read = seconds_a_run(one, rows), again = seconds_a_run(one, {}), many = seconds_a_run(group, rows);
-      same.push_back(again / bare), gauges.push_back(2 * read / (bare + again)), lanes.push_back(read / many);
+      same.push_back(again / bare);
+      gauges.push_back(2 * read / (bare + again));
+      lanes.push_back(read / many);
     }
     fmt::print("  {:6}  without gauges again / without {:.4f}   twelve gauges / none {:.4f}   one run / a run of eight in the lanes {:.2f}\n", precision,
                median(same), median(gauges), median(lanes));
@@ -167,7 +177,8 @@ void measure_ratios() {
 /// What an element costs by its kind: a half box all of mercury or all of steel, as made and jittered, one thread, by processor time, taken in turn.
 void measure_kinds() {
   ForwardCase c = slice_of(0.0022, 1);
-  c.geometry.plane_strain = false, c.geometry.half = true;
+  c.geometry.plane_strain = false;
+  c.geometry.half = true;
   struct Kind {
     bool liquid, general;
     std::unique_ptr<Mesh> mesh;
@@ -179,7 +190,8 @@ void measure_kinds() {
     for (const bool liquid : {true, false}) {
       auto mesh = std::make_unique<Mesh>(mesh_of(c, general ? 0.1 : 0.0));
       std::fill(mesh->region.begin(), mesh->region.end(), liquid ? Region::mercury : Region::steel);
-      mesh->slip.clear(), mesh->rear.clear();
+      mesh->slip.clear();
+      mesh->rear.clear();
       auto solver = std::make_unique<ExplicitSolver>(*mesh, LinearElastic::from_young(c.steel.young, c.steel.poisson));
       kinds.push_back({liquid, general, std::move(mesh), std::move(solver)});
     }
@@ -274,7 +286,9 @@ int main(int argc, char** argv) {
   const ForwardCase slice = slice_of(0.001, 1);
   measure("plane-strain slice", slice, jitter, machine, 0.5);
   ForwardCase box = slice;
-  box.geometry.plane_strain = false, box.geometry.half = true, box.geometry.element_size = 0.00107;
+  box.geometry.plane_strain = false;
+  box.geometry.half = true;
+  box.geometry.element_size = 0.00107;
   measure("half box", box, jitter, machine, 1.5);
   measure_ratios();
 }

@@ -40,7 +40,7 @@ def write(path, series):
 
 
 def run_case(args, verb, place, settings=()):
-    """calomel VERB of place/case.toml into place/out, what it says in place/log; another exit status than 0 and 4 is told."""
+    """calomel VERB of place/case.toml into place/out, its output in place/log; an exit status other than 0 and 4 is printed."""
     command = [args.calomel, verb, os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads)]
     with open(os.path.join(place, "log"), "w") as log:
         status = subprocess.run([*command, *[x for s in (*settings, *args.set) for x in ("--set", s)]], stdout=log, stderr=log).returncode
@@ -166,7 +166,7 @@ def run(args):
             run_case(args, "diagnose", place)
 
 
-def told(place):
+def findings(place):
     try:
         with open(os.path.join(place, "out", "diagnosis.json")) as f:
             d = json.load(f)
@@ -186,7 +186,7 @@ def table(args):
         concealed.append(re.search(r'(?m)^mechanism = "(.*?)"', truth).group(1) or re.search(r'(?m)^family = "(.*?)"', truth).group(1))
     print("| records | " + " | ".join(f"{c}: {m}" for c, m in zip(cases, concealed)) + " |\n" + "|---" * (len(cases) + 1) + "|")
     for way, (text, _) in known.items():
-        row = [told(os.path.join(args.work, f"{case}_{way}")) for case in cases]
+        row = [findings(os.path.join(args.work, f"{case}_{way}")) for case in cases]
         if any(row):
             print(f"| {text} | " + " | ".join(row) + " |")
 

@@ -1,5 +1,5 @@
 // What sub-cycling gains and what it changes: processor time, strain and energy balance for 1, 2, 3, 4 and 6 sub-cycles at most, runs
-// taken in turn in the same minutes (three of each unless told; --lanes: of eight runs in the lanes alone).
+// taken in turn in the same minutes (three of each by default; --lanes: of eight runs in the lanes alone).
 //
 //   bench_subcycles [--lanes] [--repeats N] [--buffer LAYERS] [--reference STRAINS.csv] CASE.toml [key=value ...]
 //
@@ -86,7 +86,8 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
     double balance = std::nan("");
     if (!lanes) {
       SolveOptions balanced = options;
-      balanced.energy_balance = true, balanced.subcycles = allowed[i];
+      balanced.energy_balance = true;
+      balanced.subcycles = allowed[i];
       balance = solver.solve(setup, rows, balanced).energy_balance_error;
     }
     const double seconds = median(r.seconds), rate = double(model.mesh().elements.size() * runs) * double(r.last.steps) / seconds / 1e6;

@@ -215,7 +215,7 @@ TEST(Layers, AnIncludeThatLeadsUpIsFound) {
               ElementsAre("forward/a.cpp includes inverse/b.hpp"));
 }
 
-TEST(Citations, StandInTheBibliography) {
+TEST(Citations, AreInTheBibliography) {
   const auto known = keys_of(read_text(root / "docs" / "references.bib"));
   ASSERT_GE(known.size(), 10u);
   for (const auto& page : pages()) EXPECT_THAT(unknown_citations(read_text(page), known), IsEmpty()) << page;

@@ -64,7 +64,7 @@ const Known& known(const std::string& effect) {
   return found->second;
 }
 
-/// Reads a table's numbers into variables and complains about keys that nobody has asked for.
+/// Reads a table's numbers into variables and complains about keys that nobody has requested.
 class Table {
  public:
   Table(const toml::table* table, std::string name) : table_(table), name_(std::move(name)) {}
@@ -324,7 +324,10 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   s.pulse_length = pulse_length;
   if (const Effect* e = find("beam")) {
     const auto number = [&](const char* key, double off) { return e->number.contains(key) ? (*e)[key] : off; };
-    z0 += number("offset_z", 0), wz *= number("width_ratio", 1), p_peak *= number("energy_ratio", 1), s.pulse_length *= number("pulse_length_ratio", 1);
+    z0 += number("offset_z", 0);
+    wz *= number("width_ratio", 1);
+    p_peak *= number("energy_ratio", 1);
+    s.pulse_length *= number("pulse_length_ratio", 1);
   }
   const auto along = [this](double x) { return (1 + buildup * (1 - std::exp(-x / buildup_length))) * std::exp(-x / decay); };
   double greatest = 0;
@@ -413,7 +416,8 @@ Difference difference(const std::vector<double>& mean, const std::vector<double>
     for (std::size_t k = std::size_t(factor); k + std::size_t(factor) <= n; k += std::size_t(factor)) {
       double u = 0, v = 0;
       for (std::size_t w = 0; w < window.size(); ++w) u += window[w] * a[k + w + 1 - std::size_t(factor)], v += window[w] * b[k + w + 1 - std::size_t(factor)];
-      off += (u - v) * (u - v), size += v * v;
+      off += (u - v) * (u - v);
+      size += v * v;
     }
     d.band.push_back(std::sqrt(off / size));
   }

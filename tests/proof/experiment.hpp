@@ -1,5 +1,5 @@
 #pragma once
-/// An experiment on a box slice as a SPEC file tells it: target, true numbers, concealed effects, gauges, pulses and noise. The keys: docs/proof/generator.md.
+/// An experiment on a box slice, from a SPEC file: target, true numbers, concealed effects, gauges, pulses and noise. The keys: docs/proof/generator.md.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -15,7 +15,7 @@ struct Effect {
   std::map<std::string, double> number;
   std::map<std::string, std::string> word;
   [[nodiscard]] double operator[](const std::string& key) const;  ///< throws where it is absent
-  /// `times` as strong: every number that tells strength moves from its off value in proportion (lengths, fractions) or in its logarithm (ratios).
+  /// `times` as strong: every number that sets the strength moves from its off value in proportion (lengths, fractions) or in its logarithm (ratios).
   [[nodiscard]] Effect scaled(double times) const;
 };
 

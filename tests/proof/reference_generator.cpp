@@ -60,7 +60,8 @@ double find_scale(const Experiment& x, int threads) {
     (off < 0 ? below : above) = scale;
     double slope = 1;
     if (scale_before > 0 && scale != scale_before) slope = std::clamp(std::log(s / made_before) / std::log(scale / scale_before), 0.4, 3.0);
-    scale_before = scale, made_before = s;
+    scale_before = scale;
+    made_before = s;
     scale = scale * std::exp(std::clamp(-off / slope, -2.5, 2.5));
     if (scale <= below || scale >= above) {  // halve what is left; the ends themselves while nothing has been seen beyond
       const bool open = scale <= below ? below == x.least_scale : above == x.greatest_scale;

@@ -22,8 +22,12 @@ Solid Solid::from_young(double density, double young, double poisson) {
 
 Slice::Slice(const Grid& grid, const Solid& steel, const Mercury& mercury) : grid_(grid), steel_(steel), mercury_(mercury) {
   const std::size_t n = grid_.cells.size();
-  density_.assign(n, 0), lambda_.assign(n, 0), mu_.assign(n, 0), extra_mass_.assign(n, 0);
-  p0_.assign(n, 0), heat_.assign(n, 0);
+  density_.assign(n, 0);
+  lambda_.assign(n, 0);
+  mu_.assign(n, 0);
+  extra_mass_.assign(n, 0);
+  p0_.assign(n, 0);
+  heat_.assign(n, 0);
   for (std::size_t c = 0; c < n; ++c)
     if (grid_.cells[c] == Cell::solid) density_[c] = steel.density, lambda_[c] = steel.lambda, mu_[c] = steel.mu;
   build();
@@ -34,7 +38,9 @@ void Slice::set_solid(const std::function<bool(double, double)>& where, const So
     for (int i = 0; i < grid_.nx; ++i)
       if (grid_.at(i, j) == Cell::solid && where(grid_.x(i + 0.5), grid_.z(j + 0.5))) {
         const auto c = std::size_t(grid_.index(i, j));
-        density_[c] = solid.density, lambda_[c] = solid.lambda, mu_[c] = solid.mu;
+        density_[c] = solid.density;
+        lambda_[c] = solid.lambda;
+        mu_[c] = solid.mu;
       }
   build();
 }
@@ -70,11 +76,20 @@ void Slice::build() {
   const auto n = g.cells.size();
   const auto solid = [&](int i, int j) { return g.at(i, j) == Cell::solid; };
   const auto liquid = [&](int i, int j) { return g.at(i, j) == Cell::mercury; };
-  mercury_cells_.clear(), solid_cells_.clear(), mercury_x_.clear(), mercury_z_.clear(), solid_x_.clear(), solid_z_.clear(), corners_.clear();
-  contacts_.clear(), rear_.clear(), free_.clear();
+  mercury_cells_.clear();
+  solid_cells_.clear();
+  mercury_x_.clear();
+  mercury_z_.clear();
+  solid_x_.clear();
+  solid_z_.clear();
+  corners_.clear();
+  contacts_.clear();
+  rear_.clear();
+  free_.clear();
   for (auto* field : {&inverse_mass_x_, &inverse_mass_z_, &p_modulus_, &lame_, &corner_mu_, &pair_x_, &pair_z_}) field->assign(n, 0);
   modulus_.assign(std::size_t(g.nz), 0);
-  greatest_speed_ = 0, greatest_bending_ = 1;
+  greatest_speed_ = 0;
+  greatest_bending_ = 1;
 
   const auto runs = [&](std::vector<Run>& to, const auto& holds) {
     for (int j = 1; j < g.nz; ++j)
@@ -86,7 +101,8 @@ void Slice::build() {
         i = end;
       }
   };
-  runs(mercury_cells_, liquid), runs(solid_cells_, solid);
+  runs(mercury_cells_, liquid);
+  runs(solid_cells_, solid);
   runs(mercury_x_, [&](int i, int j) { return liquid(i, j) && liquid(i - 1, j); });
   runs(mercury_z_, [&](int i, int j) { return liquid(i, j) && liquid(i, j - 1); });
 
@@ -98,7 +114,9 @@ void Slice::build() {
   for (std::size_t c = 0; c < n; ++c)
     if (g.cells[c] == Cell::solid) {
       const Solid s{density_[c], lambda_[c], mu_[c]};
-      p_modulus_[c] = Real(s.p_modulus()), lame_[c] = Real(s.lambda), bending[c] = s.bending_modulus();
+      p_modulus_[c] = Real(s.p_modulus());
+      lame_[c] = Real(s.lambda);
+      bending[c] = s.bending_modulus();
       greatest_speed_ = std::max(greatest_speed_, std::sqrt(s.p_modulus() / s.density));
       greatest_bending_ = std::max(greatest_bending_, 1 + 0.4 * s.bending_modulus() / s.p_modulus());
     }
@@ -223,7 +241,8 @@ void Slice::advance_velocity(State& s, double dt) const {
     if (!c.apart) {
       traction = (away - wall) / both;
       if (traction < -c.strength) {
-        c.apart = true, c.gap = 0;
+        c.apart = true;
+        c.gap = 0;
         if (c.brittle) c.strength = 0, c.suction = 0;
       }
     }
@@ -294,7 +313,9 @@ void Slice::mercury_pressure(State& s, double dt, double ramp) const {
       kernel::Cloud cloud{};
       for (int i = 0; i < 2; ++i) {
         const double radius = bubbles.radius[i], inertia = mercury_.density * radius * radius;
-        cloud.fraction[i] = Real(bubbles.fraction[i]), cloud.per_inertia[i] = Real(1 / inertia), cloud.surface[i] = Real(2 * bubbles.tension / radius);
+        cloud.fraction[i] = Real(bubbles.fraction[i]);
+        cloud.per_inertia[i] = Real(1 / inertia);
+        cloud.surface[i] = Real(2 * bubbles.tension / radius);
         cloud.damping[i] = Real(4 * bubbles.viscosity / inertia);
       }
       cloud.ambient = Real(bubbles.ambient);
@@ -369,7 +390,9 @@ void Slice::yield(State& s) const {
       const Real f = Real(1 - 3 * mu * flow / mises);
       s.plastic[c] += Real(flow);
       s.factor[c] = f;
-      s.sxx[c] = mean + f * xx, s.syy[c] = mean + f * yy, s.szz[c] = mean + f * zz;
+      s.sxx[c] = mean + f * xx;
+      s.syy[c] = mean + f * yy;
+      s.szz[c] = mean + f * zz;
     }
   if (!yields) return;
   for (const Run& r : corners_)
@@ -394,7 +417,7 @@ std::vector<double> Slice::run(double energy, double end, double interval, std::
   const double dt = interval / steps;
   const auto samples = std::size_t(std::lround(end / interval)) + 1;
   State s = rest();
-  if (initial) {  // the heat of the pulse before stays: its mercury is stretched from p0 / K
+  if (initial) {  // the heat of the pulse before remains: its mercury is stretched from p0 / K
     const Real a = Real(initial_scale);
     for (const auto field : {&State::vx, &State::vz, &State::ux, &State::uz, &State::sxx, &State::szz, &State::sxz})
       for (std::size_t c = 0; c < (s.*field).size(); ++c) (s.*field)[c] = a * (initial->*field)[c];

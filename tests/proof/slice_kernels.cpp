@@ -89,7 +89,8 @@ EVERY_MACHINE void relaxing(Out p, Out e, Out opened, Out memory, In p0, In vx, 
     const Real strain = e[k] + q.dt * rate;
     const Real elastic = p0[k] * q.ramp - q.modulus * strain;
     const Real s = keep * memory[k] - gain * rate;
-    e[k] = strain, memory[k] = s;
+    e[k] = strain;
+    memory[k] = s;
     give_way(p[k], opened[k], elastic, rate, s, q);
   }
 }
@@ -108,7 +109,9 @@ EVERY_MACHINE void nucleation(Out p, Out e, Out opened, Out first, Out second, I
     const Real open = opened[k];
     const Real closing = rate < 0 ? -q.front * open * rate : Real(0), still = rate < 0 ? open : Real(0);
     const bool apart = grown > Real(1e-7);  // what holds void yields without the front's resistance
-    e[k] = strain, first[k] = r, second[k] = s;
+    e[k] = strain;
+    first[k] = r;
+    second[k] = s;
     p[k] = whole + q.modulus * grown + (apart ? Real(0) : closing);
     opened[k] = apart ? Real(1) : still;
   }
@@ -136,7 +139,11 @@ EVERY_MACHINE void bubbly(Out p, Out e, Out opened, Out b0, Out g0, Out b1, Out 
 #undef CALOMEL_PART
     const Real grown = cloud.fraction[0] * (r * r * r - 1) + cloud.fraction[1] * (s * s * s - 1);
     const Real elastic = heat - q.modulus * (strain - grown);
-    e[k] = strain, b0[k] = r, g0[k] = u, b1[k] = s, g1[k] = v;
+    e[k] = strain;
+    b0[k] = r;
+    g0[k] = u;
+    b1[k] = s;
+    g1[k] = v;
     give_way(p[k], opened[k], elastic, rate, Real(0), q);
   }
 }

@@ -35,7 +35,8 @@ State running(const Slice& slice, double middle, double dt) {
     for (int i = 1; i < g.nx; ++i) {
       const auto c = std::size_t(g.index(i, j));
       if (g.at(i, j) != Cell::mercury) continue;
-      s.p[c] = Real(pulse(g.x(i + 0.5) - middle)), s.e[c] = -s.p[c] / Real(modulus);
+      s.p[c] = Real(pulse(g.x(i + 0.5) - middle));
+      s.e[c] = -s.p[c] / Real(modulus);
       s.vx[c] = Real(pulse(g.x(i) - middle + speed * dt / 2) / (density * speed));
     }
   return s;
@@ -48,8 +49,16 @@ void advance(const Slice& slice, State& s, double dt, double time) {
 /// A small vessel with every part of a case; 60 us on 1 mm take a tenth of a second.
 Experiment small() {
   Experiment x;
-  x.grid = 1e-3, x.length = 0.08, x.height = 0.03, x.front = 0.004, x.top = 0.004, x.bottom = 0.004;
-  x.center = 0.014, x.width = 0.012, x.end = 60e-6, x.energies = {0.99, 1.01};
+  x.grid = 1e-3;
+  x.length = 0.08;
+  x.height = 0.03;
+  x.front = 0.004;
+  x.top = 0.004;
+  x.bottom = 0.004;
+  x.center = 0.014;
+  x.width = 0.012;
+  x.end = 60e-6;
+  x.energies = {0.99, 1.01};
   x.gauges = {{.name = "T1", .x = 0.02, .z = 0.03},
               {.name = "T2", .x = 0.05, .z = 0.03},
               {.name = "B1", .x = 0.035, .z = 0},
@@ -88,12 +97,16 @@ const std::vector<Effect> effects = {
 
 TEST(ReferenceGenerator, KeepsEnergyWithoutCutoffAndViscosity) {
   Experiment x = small();
-  x.rear = 0.004, x.cutoff = 1e15, x.viscosity = 0, x.collapse = 0;
+  x.rear = 0.004;
+  x.cutoff = 1e15;
+  x.viscosity = 0;
+  x.collapse = 0;
   const Slice slice = x.slice({}, x.grid);
   const double dt = 0.99 / 0.9 * slice.stable_step();  // 0.99 of the stable step
   State s = slice.rest();
   s.keep_strain = true;
-  s.total_xx.assign(s.exx.size(), 0), s.total_zz = s.total_xx;
+  s.total_xx.assign(s.exx.size(), 0);
+  s.total_zz = s.total_xx;
   double least = 1e300, most = 0, before = 0;
   for (int k = 1; k <= 2000; ++k) {
     const State old = s;
@@ -238,7 +251,8 @@ Mode lowest_mode(Slice& slice, double length, bool solid, double frequency, int 
   double before = v[middle];
   const int steps = int(periods / frequency / dt) + 1;
   for (int k = 1; k <= steps; ++k) {
-    slice.advance_velocity(s, dt), slice.advance_stress(s, dt, 0, 0);
+    slice.advance_velocity(s, dt);
+    slice.advance_stress(s, dt, 0, 0);
     const double now = v[middle];
     if (m.quarter == 0 && now < 0) m.quarter = (k - 0.5 + before / (before - now)) * dt - dt / 2;
     before = now;
@@ -285,13 +299,14 @@ TEST(ReferenceGenerator, AnEmptyBubbleClosesInRayleighsTime) {
   const kernel::Cloud cloud{
       .fraction = {0, 0}, .per_inertia = {Real(1 / (density * size * size)), Real(1)}, .surface = {0, 0}, .damping = {0, 0}, .ambient = 0};
   HeldCell cell;
-  cell.heat = Real(pressure), cell.liquid.cutoff = Real(1e15);
+  cell.heat = Real(pressure);
+  cell.liquid.cutoff = Real(1e15);
   int steps = 0;
   for (; cell.radius > Real(0.1) && steps < 10000; ++steps) cell.bubbles(cloud);
   EXPECT_NEAR(steps * 2e-8, expected, 0.02 * expected);
 }
 
-TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {
+TEST(ReferenceGenerator, ZenerSolidHasItsLossRatio) {
   const Solid steel = Solid::from_young(7960, 193e9, 0.29);
   const double frequency = std::sqrt(steel.p_modulus() / steel.density) / 0.2;
   Slice slice(strip(1e-3, 0, 0.1, Cell::rigid, Cell::rigid), steel, {.density = density, .sound_speed = speed});
@@ -299,7 +314,7 @@ TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {
   EXPECT_NEAR(std::log(lowest_mode(slice, 0.1, true, frequency, 10).left), -0.01 * 2 * std::numbers::pi * 9.5, 0.05);  // within the last period
 }
 
-TEST(ReferenceGenerator, RelaxingLiquidLosesWhatItsViscositySays) {
+TEST(ReferenceGenerator, RelaxingLiquidHasTheLossOfItsViscosity) {
   const double frequency = speed / 0.2, omega = 2 * std::numbers::pi * frequency, time = 5e-6, zeta = 3e4;
   Slice slice(strip(1e-3, 0.1, 0.1, Cell::rigid, Cell::rigid), {}, {.density = density, .sound_speed = speed, .cutoff = 1e15, .viscosity = 0, .collapse = 0});
   slice.relaxing = {.viscosity = zeta, .time = time};

@@ -33,7 +33,7 @@ fs::path folder(const std::string& name) {
 
 }  // namespace
 
-TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
+TEST(CalibrateVerb, MapIsTheModeOfThePosteriorWithTheEvidenceOfANestedModel) {
   const auto dir = folder("calibrate_map"), out = dir / "a";
   const std::string settings =
       " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=3 --set "
@@ -75,7 +75,7 @@ TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
   EXPECT_THAT(another.said, HasSubstr("is not that of a"));
 }
 
-TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndSaysWhereItIsNot) {
+TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndReportsWhereItIsNot) {
   const auto dir = folder("calibrate_corrected"), out = dir / "a";
   const std::string words =
       "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set "

@@ -47,7 +47,7 @@ TEST(CampaignVerb, MeasuresTheFloorAtItsEndAndStoresIt) {
   EXPECT_FALSE(NetcdfReader(dir / "c" / "campaign.nc").has("floor_sd"));
 }
 
-TEST(CampaignVerb, KilledInTheFloorItGoesOnToTheSameBytes) {
+TEST(CampaignVerb, InterruptedInTheFloorItResumesToTheSameBytes) {
   const auto dir = folder("campaign_killed");
   ASSERT_EQ(run(dir, "campaign case.toml --out whole").status, 0);
   const fs::path killed = dir / "killed", journal = killed / "runs.journal";
@@ -62,12 +62,13 @@ TEST(CampaignVerb, KilledInTheFloorItGoesOnToTheSameBytes) {
   EXPECT_THAT(last.said, HasSubstr("3 reused"));
   EXPECT_EQ(read_text(killed / "campaign.nc"), read_text(dir / "whole" / "campaign.nc"));
   auto a = read_json(killed / "floor.json"), b = read_json(dir / "whole" / "floor.json");
-  a.erase("wall_s"), b.erase("wall_s");
+  a.erase("wall_s");
+  b.erase("wall_s");
   EXPECT_EQ(a, b);
 }
 
 // What changes no strain is no other campaign; what does is, by name.
-TEST(CampaignVerb, IsTheSameWhetherEnergiesAreBookedOrNot) {
+TEST(CampaignVerb, IsTheSameWithAndWithoutAnEnergyBalance) {
   const auto dir = folder("campaign_energy_balance");
   const std::string words = "campaign case.toml --set campaign.floor=false";
   ASSERT_EQ(run(dir, words).status, 0);

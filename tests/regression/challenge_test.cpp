@@ -83,7 +83,7 @@ TEST(ChallengeVerb, MakesCasesThatTheProgramReadsAndKeepsTheTruthApart) {
   EXPECT_THAT(other.said, HasSubstr("the seed"));
 }
 
-TEST(ChallengeVerb, KilledWhileItMakesACaseItGoesOn) {
+TEST(ChallengeVerb, InterruptedWhileItMakesACaseItResumes) {
   const auto dir = scratch("challenge_killed");
   const std::vector<std::string> words{"challenge", "make",     "--seed", "5",      "--out", "suite",  "--none", "2",         "--single", "0",      "--outside",
                                        "0",         "--sensor", "0",      "--pair", "0",     "--grid", "0.5e-3", "--threads", "1",        "--quiet"};
@@ -109,7 +109,7 @@ TEST(ChallengeVerb, DrawsTheSpecsOfANamedSuiteAlone) {
   EXPECT_FALSE(fs::exists(dir / "suite" / "cases"));
 }
 
-TEST(ChallengeVerb, AnswersWhatItDoesNotKnow) {
+TEST(ChallengeVerb, RefusesUnknownNamesWithTheKnownOnes) {
   const auto dir = scratch("challenge_refused");
   const auto refused = [&](const std::string& words) {
     const auto out = run(dir, "challenge " + words);
@@ -130,7 +130,7 @@ TEST(ChallengeVerb, AnswersWhatItDoesNotKnow) {
   EXPECT_FALSE(fs::exists(dir / "suite"));
 }
 
-TEST(ChallengeVerb, DiagnosesThatFailAreToldAndOneRuleJudgesTheSuite) {
+TEST(ChallengeVerb, FailedDiagnosesAreReportedAndOneRuleJudgesTheSuite) {
   const auto dir = suite_without_records("challenge_run");
   const auto first = run(dir, "challenge run suite --threads 1 --set diagnosis.leaders=3");
   EXPECT_EQ(first.status, 4) << first.said;

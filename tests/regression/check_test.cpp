@@ -1,4 +1,4 @@
-// `calomel check` as a whole: a screenful for people, the resolved case as JSON when it is asked for.
+// `calomel check` as a whole: a screenful for people, the resolved case as JSON when it is requested.
 #include <algorithm>
 
 #include "base/artefact.hpp"
@@ -25,7 +25,7 @@ runs = 40
 
 }  // namespace
 
-TEST(Check, TellsPeopleWhatWillBeRunAndItsCostInAScreenful) {
+TEST(Check, PrintsThePlannedRunsAndTheirCostInAScreenful) {
   const auto dir = folder_with("check", {{"case.toml", slice_case + more}});
   const auto out = printed(dir, "check case.toml");
   EXPECT_EQ(out.status, 0);
@@ -36,11 +36,11 @@ TEST(Check, TellsPeopleWhatWillBeRunAndItsCostInAScreenful) {
                            "parameters: density 1.3e+04 to 1.36e+04", "study: campaign of 40 ensemble means of 8", "calibrate by enc", "cost on "})
     EXPECT_THAT(out.said, HasSubstr(part));
   EXPECT_THAT(run(dir, "check case.toml").said, HasSubstr("warning: "));  // warnings go where errors go
-  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);      // what was asked for is no note
+  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);      // what was requested is no note
   EXPECT_FALSE(std::filesystem::exists(dir / "case.out"));
 }
 
-TEST(Check, RefusesAPulseThatPassesTheTargetBy) {
+TEST(Check, RefusesAPulseThatMissesTheTarget) {
   const auto dir = folder_with("check_beam", {{"case.toml", slice_case + more}});
   const auto out = run(dir, "check case.toml --set load.profile.center=[0,27]");
   EXPECT_EQ(out.status, 2);
@@ -48,13 +48,13 @@ TEST(Check, RefusesAPulseThatPassesTheTargetBy) {
               testing::AllOf(HasSubstr("load.profile.center"), HasSubstr("heats nothing"), HasSubstr("the target reaches from z = 0 to"), HasSubstr("metres")));
 }
 
-TEST(Check, WarnsOfNumbersThatWereHardlyMeant) {
+TEST(Check, WarnsOfImplausibleNumbers) {
   const auto dir = folder_with("check_units", {{"case.toml", slice_case + more}});
   EXPECT_THAT(run(dir, "check case.toml --set load.peak_pressure=25").said, HasSubstr("load.peak_pressure = 25 Pa is next to nothing"));
   EXPECT_THAT(run(dir, "check case.toml --set geometry.element_size=2").said, HasSubstr("larger than the target"));
 }
 
-TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
+TEST(Check, ComparesTimesAndUnitsWithTheRecords) {
   std::string records = "sensor,pulse,time_s,strain\n";
   for (const char* pulse : {"1", "2"})
     for (int i = 0; i <= 20; ++i) records += std::string("A,") + pulse + ',' + std::to_string(i) + "e-6," + std::to_string(i) + "e-7\n";
@@ -66,7 +66,7 @@ TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
               testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
 }
 
-TEST(Check, RefusesMicrostrainThatIsCalledStrain) {
+TEST(Check, RefusesMicrostrainDeclaredAsStrain) {
   std::string records = "sensor,pulse,time_s,strain\n";
   for (const char* pulse : {"1", "2"})
     for (int i = 0; i <= 20; ++i) records += std::string("A,") + pulse + ',' + std::to_string(i) + "e-6," + std::to_string(i) + "\n";
@@ -77,7 +77,7 @@ TEST(Check, RefusesMicrostrainThatIsCalledStrain) {
   EXPECT_EQ(run(dir, "check case.toml --set recordings.unit=microstrain").status, 0);
 }
 
-TEST(Check, WarnsOnceOfWhatTheRecordsLack) {
+TEST(Check, WarnsOnceOfMissingRecords) {
   std::string records = "sensor,pulse,time_s,strain\n";
   for (const char* pulse : {"1", "2"})
     for (int i = 0; i <= 20; ++i)
@@ -89,7 +89,7 @@ TEST(Check, WarnsOnceOfWhatTheRecordsLack) {
   EXPECT_EQ(said.find("samples are missing", first + 5), std::string::npos) << said;
 }
 
-TEST(Check, GivesTheResolvedCaseWhenItIsAskedFor) {
+TEST(Check, PrintsTheResolvedCaseOnRequest) {
   const auto dir = folder_with("check_resolved", {{"case.toml", slice_case + more}});
   const auto out = printed(dir, "check case.toml --resolved --set campaign.runs=41");
   EXPECT_EQ(out.status, 0);

@@ -1,4 +1,4 @@
-// `calomel diagnose` of a model outside that does not repeat itself.
+// `calomel diagnose` of an external model that does not repeat itself.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -69,21 +69,21 @@ Diagnosed diagnosed(const std::string& name, double jitter, double drift) {
 }
 
 // Jitter of 0.3 %: least squares by finite differences of such a model end anywhere.
-TEST(DiagnoseOutside, NamesWhatAModelThatJittersLeavesOut) {
+TEST(DiagnoseOutside, NamesTheMechanismThatANonRepeatableModelOmits) {
   const auto d = diagnosed("jitters", 0.003, 4e-4);
   EXPECT_THAT(d.said, HasSubstr("warning: the model does not repeat itself: two runs at nearly one point differ by"));
   EXPECT_THAT(d.answer.at("mechanisms"), ElementsAre("drift")) << d.said;
   EXPECT_EQ(d.answer.at("warnings").size(), 1u);
 }
 
-TEST(DiagnoseOutside, OfAModelThatRepeatsItselfDoesNotWarn) {
+TEST(DiagnoseOutside, OfARepeatableModelDoesNotWarn) {
   const auto d = diagnosed("repeats", 0, 4e-4);
   EXPECT_THAT(d.said, Not(HasSubstr("repeat itself")));
   EXPECT_THAT(d.answer.at("mechanisms"), ElementsAre("drift")) << d.said;
   EXPECT_THAT(d.answer.at("warnings"), IsEmpty());
 }
 
-TEST(DiagnoseOutside, OfAModelThatJittersNamesNothingWhereNothingIsLeftOut) {
+TEST(DiagnoseOutside, OfANonRepeatableModelNamesNothingIfNothingIsOmitted) {
   const auto d = diagnosed("jitters_alone", 0.003, 0);
   EXPECT_EQ(d.answer.at("verdict"), "none") << d.said;
 }

@@ -72,7 +72,7 @@ fs::path folder(const std::string& name) {
 
 }  // namespace
 
-TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
+TEST(DiagnoseVerb, GivesItsVerdictInTwoSentencesWithWhichTheReportBegins) {
   const auto dir = folder("diagnose");
   const auto out = run(dir, "diagnose case.toml --out a");
   ASSERT_EQ(out.status, 0) << out.said;
@@ -104,7 +104,8 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
   EXPECT_TRUE(fs::exists(dir / "a" / "diagnosis.nc"));
   EXPECT_EQ(fs::file_size(dir / "a" / "runs.journal"), journal);
   Json again = read_json(dir / "a" / "diagnosis.json"), before = json;
-  again.erase("wall_s"), before.erase("wall_s");
+  again.erase("wall_s");
+  before.erase("wall_s");
   EXPECT_EQ(again, before);
 
   const auto reported = run(dir, "report case.toml --out a --csv");
@@ -122,7 +123,7 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
 }
 
 // Before measuring: no recordings are needed, a stronger beam and another gauge are tried, and a kill costs nothing that was run.
-TEST(DiagnoseVerb, TellsWhatAPlannedExperimentCouldName) {
+TEST(DiagnoseVerb, ReportsTheMechanismsThatAPlannedExperimentCouldName) {
   const auto dir = folder_with("diagnose_power", {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables +
                                                                     "[power]\npulses = 10\nnoise = 2e-6\ngauges = 1\nenergies = [2]\n"}});
   const auto out = run(dir, "diagnose case.toml --power --out a");

@@ -124,12 +124,12 @@ band = 2e5
 
 TEST(Line, OfAPipeIsCheckedAndSimulated) {
   const auto dir = folder_with("line_pipe", {{"case.toml", pipe_case}});
-  const auto told = printed(dir, "check case.toml");
-  EXPECT_EQ(told.status, 0);
+  const auto result = printed(dir, "check case.toml");
+  EXPECT_EQ(result.status, 0);
   for (const char* part :
        {"case: hammer, waves along a pipe", "32 cells, 64 steps of 0.001 s, 1 stations at 65 times, readings in kPa", "rho a V 625 kPa, period 4 L / a 0.128 s",
         "mechanisms: vapour_cutoff; offered to a diagnosis: unsteady_friction, wall_viscoelasticity, sensor_response", "parameters: wave_speed 1100 to 1400"})
-    EXPECT_THAT(told.said, HasSubstr(part));
+    EXPECT_THAT(result.said, HasSubstr(part));
   EXPECT_THAT(printed(dir, "check case.toml --resolved").said, HasSubstr("\"closure_exponent\": 1.0"));
   const auto made = run(dir, "simulate case.toml");
   ASSERT_EQ(made.status, 0) << made.said;
@@ -155,7 +155,7 @@ TEST(Line, OfABarTakesItsRecordFromTheFolderOfTheCase) {
   EXPECT_NEAR(strain[29], 0, 1e-9);
 }
 
-TEST(Line, TellsWhereACaseIsWrong) {
+TEST(Line, ReportsThePlaceOfAMistakeInTheCase) {
   const auto said = [](const std::string& text, const std::string& words = "check case.toml") {
     const auto out = run(folder_with("line_wrong", {{"case.toml", text}, {"record.txt", record()}}), words);
     EXPECT_EQ(out.status, 2) << out.said;
@@ -210,11 +210,11 @@ TEST(Line, IsDiagnosedAndReported) {
   const auto page = run(dir, "report case.toml --csv");
   ASSERT_EQ(page.status, 0) << page.said;
   const auto html = calomel::read_text(dir / "case.out" / "report.html");
-  for (const char* part : {"What the simulation leaves out", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"})
+  for (const char* part : {"Physics that the simulation omits", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"})
     EXPECT_THAT(html, HasSubstr(part));
 }
 
-TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {
+TEST(Line, AnInterruptedDiagnosisEndsWithTheSameResult) {
   const auto whole = folder_with("line_whole", {{"case.toml", lag_case}, {"record.csv", two_gauges()}}),
              cut = folder_with("line_cut", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
   ASSERT_EQ(run(whole, "diagnose case.toml").status, 0);
@@ -229,11 +229,12 @@ TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {
   EXPECT_FALSE(std::filesystem::exists(cut / "case.out" / "diagnosis.json"));
   ASSERT_EQ(run(cut, "diagnose case.toml").status, 0);
   auto again = calomel::read_json(cut / "case.out" / "diagnosis.json"), once = calomel::read_json(whole / "case.out" / "diagnosis.json");
-  again.erase("wall_s"), once.erase("wall_s");
+  again.erase("wall_s");
+  once.erase("wall_s");
   EXPECT_EQ(again, once);
 }
 
-TEST(Line, ADiagnosisSaysWhatItNeeds) {
+TEST(Line, ADiagnosisListsItsMissingInputs) {
   const auto said = [](const std::string& text) {
     const auto out = run(folder_with("line_needs", {{"case.toml", text}, {"record.csv", two_gauges()}}), "diagnose case.toml");
     EXPECT_EQ(out.status, 2) << out.said;

@@ -113,7 +113,7 @@ TEST(WellFormedInput, IsAccepted) {
   EXPECT_EQ(out.status, 0) << out.said;
 }
 
-TEST_P(MalformedInput, ExitsTwoWithAMessageAStrangerCanActOn) {
+TEST_P(MalformedInput, ExitsTwoWithAMessageThatNamesTheMistakeAndTheRemedy) {
   const Edit& e = GetParam();
   const auto out = run(write_case(e), e.verb + " case.toml");
   EXPECT_EQ(out.status, 2) << out.said;
@@ -124,8 +124,8 @@ TEST_P(MalformedInput, ExitsTwoWithAMessageAStrangerCanActOn) {
 
 INSTANTIATE_TEST_SUITE_P(Cases, MalformedInput, testing::ValuesIn(edits()), [](const auto& info) { return info.param.name; });
 
-// A sampler that cannot sample this case is told before the model is asked for anything: there is no server at this address.
-TEST(WellFormedInput, MayAskForASamplerThatTheModelHasNotWhatItNeedsFor) {
+// A sampler that cannot sample this case is refused before the first request to the model: there is no server at this address.
+TEST(WellFormedInput, IsRefusedBeforeAnyRunIfTheSamplerCannotSampleTheModel) {
   const auto dir =
       folder_with("sampler_of_log_density",
                   {{"case.toml",
@@ -136,7 +136,7 @@ TEST(WellFormedInput, MayAskForASamplerThatTheModelHasNotWhatItNeedsFor) {
   for (const char* part : {"case.toml:12", "sampler.kind", "emulator", "take \"dram\""}) EXPECT_THAT(refused.said, testing::HasSubstr(part));
 }
 
-TEST(CommandLine, RefusesWhatItDoesNotKnow) {
+TEST(CommandLine, RefusesUnknownWords) {
   const auto dir = write_case({"line", "", "", {}, ""});
   EXPECT_EQ(run(dir, "simulat case.toml").status, 2);
   EXPECT_THAT(run(dir, "simulat case.toml").said, testing::HasSubstr("simulate"));

@@ -30,7 +30,13 @@ direction = [1, 0, 0]
 const std::string& good_mesh() {
   static const std::string text = [] {
     calomel::GeometryOptions g;
-    g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.04, g.wall = 0.005, g.element_size = 0.01, g.half = true;
+    g.kind = "box";
+    g.length = 0.06;
+    g.width = 0.05;
+    g.height = 0.04;
+    g.wall = 0.005;
+    g.element_size = 0.01;
+    g.half = true;
     const auto path = calomel::scratch_file("good_mesh.inp");
     calomel::write_mesh(calomel::make_mesh(g), path);
     return calomel::read_text(path);
@@ -133,7 +139,7 @@ std::vector<Edit> edits() {
       {"no_elements", mesh.substr(mesh.find("*ELEMENT")), "", {"target.inp", "no elements"}},
       {"no_text", mesh, std::string("CDF\x01\0\0", 6), {"target.inp:1"}},
       {"empty", mesh, "", {"target.inp", "no elements"}},
-      {"absent", "", "", {"absent.inp", "no such file"}, "target.inp", "absent.inp"},
+      {"absent", "", "", {"absent.inp", "does not exist"}, "target.inp", "absent.inp"},
       {"format", "", "", {"target.stl", ".inp", ".exo"}, "target.inp", "target.stl"},
       {"not_exodus", "", "", {"target.exo", "no Exodus II file"}, "target.inp", "target.exo"},
       {"foreign_key", "", "", {"case.toml:4", "geometry.wall", "no such key"}, "[geometry.sets]", "wall = 0.004\n[geometry.sets]"},
@@ -190,7 +196,7 @@ TEST(WellFormedMesh, ChangedMeshDoesNotMatchTheCampaignMadeBefore) {
   EXPECT_THAT(out.said, testing::HasSubstr("geometry.file"));
 }
 
-TEST_P(MalformedMesh, ExitsTwoWithAMessageAStrangerCanActOn) {
+TEST_P(MalformedMesh, ExitsTwoWithAMessageThatNamesTheMistakeAndTheRemedy) {
   const Edit& e = GetParam();
   const auto out = run(folder_of(e), "check case.toml");
   EXPECT_EQ(out.status, 2) << out.said;

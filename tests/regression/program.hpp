@@ -56,7 +56,8 @@ inline pid_t start_program(const std::filesystem::path& dir, const std::vector<s
   return child;
 }
 
-/// Waits until `seen()` has told true as often as said, or the child has ended; sends the signal. How the child ended, or -1 by itself.
+/// Waits until `seen()` has returned true the given number of times, or the child has ended, then sends the signal. Returns how the child ended, or -1 if it
+/// ended by itself.
 template <class Seen>
 inline int stop_program(pid_t child, int signal, int times, Seen&& seen) {
   int status = 0;

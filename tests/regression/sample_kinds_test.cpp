@@ -47,7 +47,7 @@ Json sampled(const fs::path& dir, const std::string& kind, const std::string& se
 
 }  // namespace
 
-TEST(SampleKinds, EachTellsWhatIsItsOwn) {
+TEST(SampleKinds, EachReportsItsOwnQuantities) {
   const auto dir = folder_with("sample_kinds", {{"case.toml", with(slice_case, "end = 2e-5", "end = 4e-5") + tables}});
   const auto made = run(dir, "simulate case.toml --mean --out truth --set material.mercury.density=13310 --set material.mercury.least_mesh_viscosity=0");
   ASSERT_EQ(made.status, 0) << made.said;

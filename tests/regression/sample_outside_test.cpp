@@ -1,4 +1,4 @@
-// `calomel sample` by a model outside itself, without an emulator: whether the records contradict it, and what they say of its errors.
+// `calomel sample` by an external model itself, without an emulator: whether the records contradict it, and what they say of its errors.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -66,14 +66,14 @@ TEST(SampleOutside, OfTheRightModelIsFinal) {
   EXPECT_NEAR(json["mode"]["theta"]["rate"].get<double>(), 0.3, 0.003);
 }
 
-TEST(SampleOutside, OfAModelThatTheRecordsContradictIsNot) {
+TEST(SampleOutside, OfAModelThatTheRecordsContradictIsNotFinal) {
   const Json json = sampled("outside_echo", records(1, 15));
   EXPECT_FALSE(json["adequate"].get<bool>());
   EXPECT_FALSE(json["final"].get<bool>());
   EXPECT_THAT(json["warnings"].get<std::vector<std::string>>(), Contains(HasSubstr("the fit is not adequate")));
 }
 
-TEST(SampleOutside, TellsAGainThatIsNotWhatWasSaid) {
+TEST(SampleOutside, ReportsAGainThatDiffersFromItsPrior) {
   const Json json = sampled("outside_gain", records(1.15, 0));
   EXPECT_FALSE(json["final"].get<bool>());
   EXPECT_THAT(json["warnings"].get<std::vector<std::string>>(), Contains(AllOf(HasSubstr("the gain of"), HasSubstr("errors.gain_sd"))));

@@ -93,7 +93,7 @@ void goes_on_to_the_same_draws(const fs::path& dir, const std::vector<std::strin
 
 }  // namespace
 
-TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
+TEST(SampleVerb, FindsTheTruthAndWritesAllKeysOfTheContract) {
   const auto dir = folder("sample");
   const auto first = run(dir, "sample case.toml --out a");
   ASSERT_EQ(first.status, 0) << first.said;
@@ -145,15 +145,15 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_LT(read_json(dir / "a" / "posterior.json")["parameters"][0]["sd"].get<double>(), 31);
 }
 
-// A clock that is off moves the answer without any sign in the chains: it is told, and a trigger that is known to so much only takes it in.
-TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
+// A wrong clock shifts the result without any sign in the chains. A data check reports it, and a prior of the trigger includes it.
+TEST(SampleVerb, LateRecordsAreReportedAndAPriorOfTheTriggerIncludesThem) {
   const auto dir = folder("sample_late");
   const auto late = run(dir, "sample case.toml --out late --set recordings.trigger_offset=-1e-6");
   EXPECT_THAT(late.said, HasSubstr("µs late (log Bayes factor"));
-  const Json told = read_json(dir / "late" / "posterior.json");
-  EXPECT_FALSE(told["final"].get<bool>());
-  EXPECT_THAT(told["warnings"].dump(), AllOf(HasSubstr("All records look"), HasSubstr("the fit is not adequate")));
-  EXPECT_FALSE(told["adequate"].get<bool>());
+  const Json late = read_json(dir / "late" / "posterior.json");
+  EXPECT_FALSE(late["final"].get<bool>());
+  EXPECT_THAT(late["warnings"].dump(), AllOf(HasSubstr("All records look"), HasSubstr("the fit is not adequate")));
+  EXPECT_FALSE(late["adequate"].get<bool>());
   const auto with_clock = run(dir, "sample case.toml --out clock --set recordings.trigger_offset=-1e-6 --set errors.trigger_sd=1e-6");
   ASSERT_EQ(with_clock.status, 0) << with_clock.said;
   const Json json = read_json(dir / "clock" / "posterior.json");
@@ -162,11 +162,11 @@ TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_LT(std::abs(json["parameters"][k]["mean"].get<double>() - truth[k]), 3 * json["parameters"][k]["sd"].get<double>()) << json["parameters"][k];
   // Sound speed makes up for the clock where that is taken for known.
-  EXPECT_GT(std::abs(told["parameters"][1]["mean"].get<double>() - true_speed), 3 * told["parameters"][1]["sd"].get<double>());
+  EXPECT_GT(std::abs(late["parameters"][1]["mean"].get<double>() - true_speed), 3 * late["parameters"][1]["sd"].get<double>());
 }
 
-// A gauge of the other sign pulls the fit away from all records: it is told by the runs that most gauges are like.
-TEST(SampleVerb, AGaugeOfTheOtherSignIsToldThoughItSpoilsTheFit) {
+// A gauge of the other sign shifts the fit away from all records. The data check finds it by the runs that most gauges resemble.
+TEST(SampleVerb, AGaugeOfTheOtherSignIsReportedAlthoughItSpoilsTheFit) {
   const auto dir = folder("sample_sign");
   const std::string text = with(read_text(dir / "case.toml"), "name = \"F\"", "name = \"F\"\ngain = -1");
   std::ofstream(dir / "case.toml") << text;
@@ -175,15 +175,15 @@ TEST(SampleVerb, AGaugeOfTheOtherSignIsToldThoughItSpoilsTheFit) {
   EXPECT_FALSE(read_json(dir / "a" / "posterior.json")["final"].get<bool>());
 }
 
-TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
+TEST(SampleVerb, InterruptedBetweenRunsItResumesToTheSameDraws) {
   const auto dir = folder("sample_killed");
   ASSERT_EQ(run(dir, "sample case.toml --out whole").status, 0);
   goes_on_to_the_same_draws(dir, {}, {0.05, 0.4});
 }
 
-// Few rounds and a check of many runs: the true model does not lie where the emulator says, which is then taught anew. Killed once and again while that goes
+// Few rounds and a check of many runs: the true model differs from the emulator, which is then trained again. Killed once and again while that goes
 // on.
-TEST(SampleVerb, KilledInARefinementItGoesOnToTheSameDraws) {
+TEST(SampleVerb, InterruptedInARefinementItResumesToTheSameDraws) {
   const auto dir = folder("sample_killed_refining");
   const std::vector<std::string> options{"--set", "emulator.rounds=1",      "--set", "emulator.check_coarse=16",
                                          "--set", "emulator.check_fine=16", "--set", "recordings.noise=4e-5"};
@@ -198,7 +198,7 @@ TEST(SampleVerb, KilledInARefinementItGoesOnToTheSameDraws) {
   EXPECT_EQ(read_json(dir / "killed" / "posterior.json")["refinement"], json["refinement"]);
 }
 
-TEST(SampleVerb, TakesTheEstimateOfTheNoiseAloneWhereItIsAskedToAndComparesOtherErrors) {
+TEST(SampleVerb, UsesTheEstimateOfTheNoiseAloneOnRequestAndComparesOtherErrors) {
   const auto dir = folder("sample_compared");
   const auto out = run(dir, "sample case.toml --out a --set posterior.hyperparameter_draws=0 --set 'posterior.compare=[\"no_mesh_errors\",\"independent\"]'");
   ASSERT_EQ(out.status, 0) << out.said;
@@ -214,7 +214,7 @@ TEST(SampleVerb, TakesTheEstimateOfTheNoiseAloneWhereItIsAskedToAndComparesOther
   }
 }
 
-TEST(SampleVerb, SaysWhyAPosteriorIsNotToBeTrusted) {
+TEST(SampleVerb, ReportsWhyAPosteriorIsNotToBeTrusted) {
   const auto dir = folder("sample_short");
   const auto out = run(dir, "sample case.toml --out a --set sampler.draws=50 --set sampler.warmup=50 --set emulator.rounds=1");
   EXPECT_EQ(out.status, 4) << out.said;

@@ -1,4 +1,4 @@
-// `calomel sensitivity` of dissipated energy and time at cutoff: what is made for them, and what stays as it is.
+// `calomel sensitivity` of dissipated energy and time at cutoff: what is made for them, and what remains as it is.
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "tests/regression/slice_case.hpp"
@@ -27,7 +27,7 @@ const calomel::Json& quantity(const calomel::Json& json, const std::string& name
 
 }  // namespace
 
-TEST(SensitivityVerb, TotalsAreThoseOfSimulationsAndNothingElseIsMadeAnew) {
+TEST(SensitivityVerb, TotalsAreThoseOfSimulationsAndNothingElseIsRepeated) {
   const auto dir = folder_with("sensitivity_totals", {{"case.toml", slice_case + more}});
   const auto out = dir / "case.out";
   ASSERT_EQ(run(dir, "sensitivity case.toml").status, 0);
@@ -74,7 +74,7 @@ TEST(SensitivityVerb, TotalsAreThoseOfSimulationsAndNothingElseIsMadeAnew) {
   EXPECT_EQ(read_text(out / "runs.journal"), longer) << "runs that are held are taken";
 }
 
-TEST(SensitivityVerb, WithoutACutoffTheTimeAtItIsSaidNotToVary) {
+TEST(SensitivityVerb, WithoutACutoffTheTimeAtItIsReportedAsConstant) {
   const auto dir =
       folder_with("sensitivity_linear", {{"case.toml", with(slice_case, "law = \"riemer\"", "law = \"linear\"") +
                                                            with(more, "[parameter.tensile_cutoff]\nmin = 5e4\nmax = 3e5\n", "") + "run_totals = true\n"}});

@@ -44,7 +44,7 @@ bool kill_after(const fs::path& dir, const std::vector<std::string>& words, int 
 
 }  // namespace
 
-TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
+TEST(Simulate, InterruptedAtAnyInstantItResumesToTheSameResult) {
   const auto dir = folder();
   ASSERT_EQ(run(dir, "simulate case.toml --fields --out whole --set solver.checkpoint=0").status, 0);
   EXPECT_FALSE(fs::exists(dir / "whole" / "simulate.checkpoint"));
@@ -59,7 +59,7 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
   }
   const auto last = run(dir, "simulate case.toml --fields --out killed --threads 2");
   ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("resumes from step"));
   EXPECT_FALSE(fs::exists(dir / "killed" / "simulate.checkpoint"));
   EXPECT_FALSE(fs::exists(dir / "killed" / "fields.exo.part"));
 
@@ -77,7 +77,7 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
 }
 
 // Asked to stop it saves where it is, however far off the next checkpoint, and leaves the fields to be gone on with.
-TEST(Simulate, AskedToStopItSavesAndGoesOn) {
+TEST(Simulate, StoppedOnRequestItSavesAndResumes) {
   const auto dir = folder();
   ASSERT_EQ(run(dir, "simulate case.toml --fields --out whole").status, 0);
   const auto grown = [part = dir / "killed" / "fields.exo.part"] {  // a third of 25 MB
@@ -91,13 +91,13 @@ TEST(Simulate, AskedToStopItSavesAndGoesOn) {
   EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint"));
   const auto last = run(dir, "simulate case.toml --fields --out killed");
   ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("resumes from step"));
   for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
     EXPECT_EQ(NetcdfReader(dir / "whole" / file).doubles(variable), NetcdfReader(dir / "killed" / file).doubles(variable)) << file;
 }
 
 // With several conditions those that were finished are kept, in whichever one the run was cut off.
-TEST(Simulate, KilledInAnyConditionItRepeatsNone) {
+TEST(Simulate, InterruptedInAnyConditionItRepeatsNone) {
   const auto dir = folder();
   std::ofstream(dir / "case.toml", std::ios::app) << R"(
 [[condition]]
@@ -123,7 +123,7 @@ peak_pressure = 30e6
   ASSERT_EQ(last.status, 0) << last.said;
   EXPECT_THAT(last.said, HasSubstr("condition low is finished and kept"));
   EXPECT_THAT(last.said, HasSubstr("condition middle is finished and kept"));
-  EXPECT_THAT(last.said, HasSubstr("condition high goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("condition high resumes from step"));
   EXPECT_EQ(fs::last_write_time(killed / "fields.exo"), untouched);
   for (const char* condition : {"0", "1", "2"}) EXPECT_FALSE(fs::exists(killed / (std::string("simulate.checkpoint.") + condition)));
 
@@ -136,7 +136,7 @@ peak_pressure = 30e6
   EXPECT_GT(json["resumed_from_step"].get<double>(), whole["steps"].get<double>() * 2 / 3);
 }
 
-TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
+TEST(Simulate, TheFieldsAreContinuedOrTheRunStartsAgain) {
   const auto dir = folder();
   ASSERT_TRUE(kill_after(dir, {"--fields"}, 3));
   fs::remove(dir / "killed" / "fields.exo.part");
@@ -148,8 +148,8 @@ TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
   EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint.old-1"));
 }
 
-// The greatest stress and the time at the cutoff are told where they are, and only of runs with an energy balance.
-TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
+// The greatest stress and the time at the cutoff are reported with their places, for runs with an energy balance alone.
+TEST(Simulate, ReportsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   const auto dir = folder();
   const std::string coarse = "simulate case.toml --fields --set geometry.element_size=0.001 --set time.end=4e-5 --set fields.interval=1e-6";
   ASSERT_EQ(run(dir, coarse + " --out balance").status, 0);
@@ -174,7 +174,8 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
     double dx = -at[0], dz = -at[2];
     for (std::size_t k = 0; k < 8; ++k) dx += x[std::size_t(corners[8 * e + k] - 1)] / 8, dz += z[std::size_t(corners[8 * e + k] - 1)] / 8;
     if (std::hypot(dx, dz) > nearest) continue;
-    nearest = std::hypot(dx, dz), there = 0;
+    nearest = std::hypot(dx, dz);
+    there = 0;
     for (std::size_t t = 0; t < times.size(); ++t) there = std::max(there, stress[t * elements + e]);
   }
   EXPECT_LT(nearest, 1e-6);
@@ -190,7 +191,8 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
       EXPECT_GE(grows, 0);
       EXPECT_LE(grows, (times[t] - times[t - 1]) * 1.001);
       if (grows < 0.999 * (times[t] - times[t - 1])) continue;
-      ++grown, held += std::abs(pressure[t * liquid + e] + 1.5e5) < 1e3;
+      ++grown;
+      held += std::abs(pressure[t * liquid + e] + 1.5e5) < 1e3;
     }
   EXPECT_GT(grown, 100u);
   EXPECT_GT(double(held), 0.95 * double(grown));
@@ -203,24 +205,24 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   EXPECT_FALSE(NetcdfReader(dir / "bare" / "fields.exo").has("vals_elem_var3eb2"));
 }
 
-// The numbers of the tables are what is run: a nominal value that says otherwise is told, and one that was asked for by --set is refused.
-TEST(Simulate, ANominalValueThatHasNoEffectIsToldWithTheKeyThatHas) {
+// The run uses the numbers of the tables: another nominal value gives a warning, and one set by --set is refused.
+TEST(Simulate, ANominalValueWithoutEffectIsReportedWithTheKeyThatHasOne) {
   const auto dir = folder_with("nominal", {{"case.toml", slice_case + "[parameter.density]\nmin = 13000.0\nmax = 13600.0\n"}});
-  const auto asked = run(dir, "simulate case.toml --out asked --set parameter.density.nominal=13100.0");
-  EXPECT_EQ(asked.status, 2);
+  const auto set = run(dir, "simulate case.toml --out set --set parameter.density.nominal=13100.0");
+  EXPECT_EQ(set.status, 2);
   for (const char* part :
        {"--set parameter.density.nominal=13100", "parameter.density.nominal = 13100", "has no effect", "--set material.mercury.density=13100"})
-    EXPECT_THAT(asked.said, HasSubstr(part));
-  EXPECT_FALSE(fs::exists(dir / "asked" / "simulate.nc"));
+    EXPECT_THAT(set.said, HasSubstr(part));
+  EXPECT_FALSE(fs::exists(dir / "set" / "simulate.nc"));
   // In the file it may be meant for other stages: a warning with its place, and the run.
   std::ofstream(dir / "case.toml", std::ios::app) << "nominal = 13100.0\n";
-  const auto told = run(dir, "simulate case.toml --out told");
-  EXPECT_EQ(told.status, 0) << told.said;
-  EXPECT_THAT(told.said, ::testing::ContainsRegex("warning: .*case.toml:[0-9]+.*parameter.density.nominal = 13100.*no effect"));
+  const auto warned = run(dir, "simulate case.toml --out warned");
+  EXPECT_EQ(warned.status, 0) << warned.said;
+  EXPECT_THAT(warned.said, ::testing::ContainsRegex("warning: .*case.toml:[0-9]+.*parameter.density.nominal = 13100.*no effect"));
   // Controls: the key that is named has an effect and needs no warning; the same number as in the table is none either.
   const auto other = run(dir, "simulate case.toml --out other --set material.mercury.density=13100.0");
   EXPECT_EQ(other.status, 0) << other.said;
   EXPECT_THAT(other.said, ::testing::Not(HasSubstr("no effect")));
-  EXPECT_NE(NetcdfReader(dir / "told" / "simulate.nc").doubles("strain"), NetcdfReader(dir / "other" / "simulate.nc").doubles("strain"));
+  EXPECT_NE(NetcdfReader(dir / "warned" / "simulate.nc").doubles("strain"), NetcdfReader(dir / "other" / "simulate.nc").doubles("strain"));
   EXPECT_EQ(run(dir, "simulate case.toml --out same --set parameter.density.nominal=13500.0").status, 0);
 }

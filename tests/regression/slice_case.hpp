@@ -9,7 +9,7 @@
 
 namespace calomel::testing {
 
-/// Makes the histories of dir/truth/simulate.nc the records of dir/case.toml: one pulse of each gauge, with noise of 2e-6 that is told and not added.
+/// Makes the histories of dir/truth/simulate.nc the records of dir/case.toml: one pulse of each gauge, with a stated noise of 2e-6 that is not added.
 inline void put_records(const std::filesystem::path& dir) {
   const NetcdfReader file(dir / "truth" / "simulate.nc");
   const auto time = file.doubles("time"), strain = file.doubles("strain");

@@ -14,7 +14,9 @@ TEST(Bar, FreeFixedFrequencies) {
   const double length = 0.4;
   const auto frequency = [&](int n, int elements, const LinearElastic& moduli) {
     Mesh mesh = block({elements, 1, 1}, {0, 0, 0}, {length, 0.004, 0.004}, Region::steel);
-    fix(mesh, 1, plane(0, 0)), fix(mesh, 2, plane(1, 0)), fix(mesh, 4, plane(2, 0));
+    fix(mesh, 1, plane(0, 0));
+    fix(mesh, 2, plane(1, 0));
+    fix(mesh, 4, plane(2, 0));
     const double exact = (2 * n - 1) * bar_speed() / (4 * length), k = (2 * n - 1) * M_PI / (2 * length);
     RunSetup s = linear_setup(4 / exact, 0.02 / exact);
     s.steel = moduli;

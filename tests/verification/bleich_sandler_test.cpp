@@ -150,6 +150,7 @@ TEST(BleichSandler, BulkCavitationOpensAndClosesAsInTheConvergedSolution) {
   for (std::size_t i = 0; i < b.time.size(); i += 20) t.push_back(1e3 * b.time[i]), v.push_back(b.velocity[i]);
   draw("bleich_sandler", "solver, 6.25 mm", t, v);
   std::vector<double> x{0.257, 5.96}, y{0.7649, 0};
-  x.insert(x.end(), times.begin(), times.end()), y.insert(y.end(), references.begin(), references.end());
+  x.insert(x.end(), times.begin(), times.end());
+  y.insert(y.end(), references.begin(), references.end());
   draw("bleich_sandler", "reference (points)", x, y);
 }

@@ -54,7 +54,8 @@ Misfit misfit(const std::vector<std::string>& overrides) {
     double difference = 0, size = 0;
     for (std::size_t i = 0; i < r.size(); ++i) difference += std::pow(run.strain[shape.at(0, k, i)] - r[i], 2), size += r[i] * r[i];
     const double error = std::sqrt(difference / size);
-    m.mean += error / double(shape.sensors.size()), m.worst = std::max(m.worst, error);
+    m.mean += error / double(shape.sensors.size());
+    m.worst = std::max(m.worst, error);
   }
   return m;
 }
@@ -117,7 +118,8 @@ std::map<std::string, std::vector<double>> mean_record(const std::filesystem::pa
     std::stringstream s(line);
     std::getline(s, sensor, ','), std::getline(s, pulse, ','), std::getline(s, time, ','), std::getline(s, strain);
     auto& [sum, count] = sums[sensor][std::stod(time)];
-    sum += std::stod(strain), ++count;
+    sum += std::stod(strain);
+    ++count;
   }
   std::map<std::string, std::vector<double>> mean;
   for (const auto& [name, samples] : sums)
@@ -141,7 +143,8 @@ Misfit null_misfit(const std::string& element_size, const std::map<std::string, 
     double difference = 0, size = 0;
     for (std::size_t i = 0; i < r.size(); ++i) difference += std::pow(mean[shape.at(0, k, i)] - r[i], 2), size += r[i] * r[i];
     const double error = std::sqrt(difference / size);
-    m.mean += error / double(shape.sensors.size()), m.worst = std::max(m.worst, error);
+    m.mean += error / double(shape.sensors.size());
+    m.worst = std::max(m.worst, error);
   }
   return m;
 }

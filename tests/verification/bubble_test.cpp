@@ -55,7 +55,7 @@ TEST(Bubble, AnEmptyCavityCollapsesInRayleighsTime) {
 
 // Collapse time, least radius and rebound are compared with an independent computation, for the law's own sub-steps and for finer ones, with
 // ten thousand samples.
-TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
+TEST(Bubble, CollapsesAndReboundsAccordingToKellerAndMiksis) {
   struct Case {
     std::string name;
     KellerMiksis bubble;
@@ -71,7 +71,8 @@ TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
     EXPECT_NEAR(got.least, fine.least, 1e-3 * fine.least);
     EXPECT_NEAR(got.rebound, fine.rebound, 2e-3 * fine.rebound);
     KellerMiksis incompressible = bubble, lighter = bubble;
-    incompressible.sound_speed = unbounded, lighter.density *= 0.98;
+    incompressible.sound_speed = unbounded;
+    lighter.density *= 0.98;
     const std::string source = "independent integration (physics.md)", light = "density -2 %", rigid = "incompressible liquid";
     const auto of_lighter = collapse(lighter, p, interval), of_incompressible = collapse(incompressible, p, interval);
     verify_size("time, " + name, "us", 1e6 * expected.time, 1e6 * got.time, 2e-3, source, light, 1e6 * of_lighter.time);
@@ -136,12 +137,13 @@ TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
 
 // One kappa and one thermal viscosity represent heat conduction, which gives 451.9 and 348.7 m/s. Chosen at resonance, they are closer to that at
 // 10 kHz than either limit is. Slow sound is isothermal, which they miss.
-TEST(BubblyLiquid, TheDefaultsStandForConductionOfHeatNearResonanceOnly) {
+TEST(BubblyLiquid, TheDefaultsRepresentConductionOfHeatNearResonanceOnly) {
   const double alpha0 = 1e-4, at_1_khz = 451.9, at_10_khz = 348.7;
   const BubblyLiquid law(mercury, helium(1.16, 0.47, 0.5 + 1.3e-3), alpha0), isothermal(mercury, helium(1), alpha0),
       adiabatic(mercury, helium(5.0 / 3), alpha0);
   const auto miss = [](const BubblyLiquid& l, double f, double with_heat) { return std::abs(phase_speed(l, f, 1e-9) / with_heat - 1); };
-  measured("error_at_10_kHz", miss(law, 10e3, at_10_khz)), measured("error_at_1_kHz", miss(law, 1e3, at_1_khz));
+  measured("error_at_10_kHz", miss(law, 10e3, at_10_khz));
+  measured("error_at_1_kHz", miss(law, 1e3, at_1_khz));
   EXPECT_LT(miss(law, 10e3, at_10_khz), 0.3 * std::min(miss(isothermal, 10e3, at_10_khz), miss(adiabatic, 10e3, at_10_khz)));
   EXPECT_GT(miss(law, 1e3, at_1_khz), 5 * miss(isothermal, 1e3, at_1_khz));
 }

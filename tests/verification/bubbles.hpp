@@ -11,7 +11,7 @@ namespace calomel::testing {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-/// The bubble in a liquid whose pressure stays at p.
+/// The bubble in a liquid whose pressure remains at p.
 inline KellerMiksis::State under(const KellerMiksis& b, KellerMiksis::State s, double p, double span, double greatest_step = unbounded) {
   return advance_bubble(
       b, s, span, greatest_step, [p](double, double) { return p; }, [](double) { return 0.0; });
@@ -71,7 +71,8 @@ inline double phase_speed(const BubblyLiquid& law, double f, double small) {
     const double p = point.step(small * soft(t, rise) * std::sin(w * t));
     if (t < rise) continue;
     const Eigen::Vector3d a(std::sin(w * t), std::cos(w * t), 1);
-    normal += a * a.transpose(), right += p * a;
+    normal += a * a.transpose();
+    right += p * a;
   }
   const Eigen::Vector3d fit = solve_symmetric(normal, right);
   const std::complex<double> modulus(-fit[0] / small, -fit[1] / small);

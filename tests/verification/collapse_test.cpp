@@ -25,14 +25,17 @@ struct Front {
 SolveSummary closing(int n, double collapse_viscosity, bool energies = true) {
   Mesh m = block({n, 1, 1}, {0, 0, 0}, {length, 1e-3, 1e-3}, Region::mercury);
   m.liquid_element_size = length / n;
-  fix(m, 2 | 4, everywhere()), fix(m, 1, plane(0, 0));
+  fix(m, 2 | 4, everywhere());
+  fix(m, 1, plane(0, 0));
   RunSetup s = linear_setup(time_of_front, time_of_front / 100);
   s.liquid.tensile_cutoff = 0;
   s.collapse_viscosity = collapse_viscosity;
   s.initial_displacement = field(m, [](const Vec3& x) { return Vec3{stretch * x[0], 0, 0}; });
   s.initial_velocity = field(m, [](const Vec3& x) { return Vec3{x[0] > 0 ? -thrown : 0, 0, 0}; });
   SolveOptions o;
-  o.energy_balance = energies, o.time_step_safety = 0.15;  // as the step of the steel does for the mercury of a target
+  // as the step of the steel does for the mercury of a target
+  o.energy_balance = energies;
+  o.time_step_safety = 0.15;
   return ExplicitSolver(m, steel()).solve(s, std::vector<ObservationRow>{component(nearest(m, {0.04, 0, 0}), 0)}, o);
 }
 
@@ -44,7 +47,7 @@ double lost() {
 
 }  // namespace
 
-TEST(Collapse, IsInelasticAsTheFrontSays) {
+TEST(Collapse, IsInelasticAccordingToTheFront) {
   const Front front;
   const double coarse = closing(25, 0.5).dissipated, fine = closing(100, 0.5).dissipated;
   verify({.item = "Closing cavity",
@@ -88,10 +91,12 @@ TEST(Collapse, DoesNotDependOnWhatIsKept) {
 TEST(Collapse, IsOfLiquidThatHasBeenAtItsCutoffOnly) {
   Mesh m = block({20, 1, 1}, {0, 0, 0}, {0.02, 1e-3, 1e-3}, Region::mercury);
   m.liquid_element_size = 1e-3;
-  fix(m, 2 | 4, everywhere()), fix(m, 1, plane(0, 0));
+  fix(m, 2 | 4, everywhere());
+  fix(m, 1, plane(0, 0));
   const auto run = [&](double b, double cutoff, double interval) {
     RunSetup s = linear_setup(4e-5, interval);
-    s.liquid.tensile_cutoff = cutoff, s.collapse_viscosity = b;
+    s.liquid.tensile_cutoff = cutoff;
+    s.collapse_viscosity = b;
     s.initial_velocity = field(m, [](const Vec3& x) { return Vec3{-x[0] / 0.02, 0, 0}; });
     return ExplicitSolver(m, steel()).solve(s, std::vector<ObservationRow>{component(nearest(m, {0.02, 0, 0}), 0)}, {});
   };

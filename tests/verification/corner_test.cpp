@@ -27,7 +27,8 @@ Mesh frame(int through) {
       if (to < 0) to = NodeId(m.nodes.size()), m.nodes.push_back(Vec3(square.nodes[std::size_t(k)]));
       k = to;
     }
-    m.elements.push_back(e), m.region.push_back(Region::steel);
+    m.elements.push_back(e);
+    m.region.push_back(Region::steel);
   }
   m.fixed.assign(m.nodes.size(), 2);
   return m;
@@ -77,7 +78,10 @@ TEST(Corner, WetBendingWithoutACornerConvergesAtSecondOrder) {
   const auto wet = [&](double h, bool slip) {
     const int nx = int(std::lround(half / h)), ns = int(std::lround(thickness / h)), nz = ns + int(std::lround(depth / h));
     Mesh m = block({nx, 1, nz}, {0, 0, 0}, {half, h, thickness + depth}, [&](const Vec3& x) { return x[2] < thickness ? Region::steel : Region::mercury; });
-    fix(m, 2, everywhere()), fix(m, 1, plane(0, 0)), fix(m, 1, plane(0, half)), fix(m, 4, plane(2, thickness + depth));
+    fix(m, 2, everywhere());
+    fix(m, 1, plane(0, 0));
+    fix(m, 1, plane(0, half));
+    fix(m, 4, plane(2, thickness + depth));
     if (slip) split(m, {{0, 0, 1}});
     RunSetup s = linear_setup(1.5e-3, 4e-6);
     s.initial_velocity = field(m, [&](const Vec3& x) {

@@ -13,10 +13,17 @@ namespace {
 struct HeatedBox {
   explicit HeatedBox(const std::string& rear = "wall") {
     GeometryOptions g;
-    g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.03, g.wall = 0.003, g.plane_strain = true, g.rear = rear;
+    g.kind = "box";
+    g.length = 0.06;
+    g.width = 0.05;
+    g.height = 0.03;
+    g.wall = 0.003;
+    g.plane_strain = true;
+    g.rear = rear;
     g.element_size = 0.0015;
     mesh = make_mesh(g);
-    profile.center = {0, 0.015}, profile.widths = {1, 0.01};
+    profile.center = {0, 0.015};
+    profile.widths = {1, 0.01};
     setup = linear_setup(2e-4, 2e-4);
     const auto heat = heating_shape(mesh, profile);
     for (const double v : heat.element) setup.p0.push_back(25e6 * v);
@@ -25,7 +32,8 @@ struct HeatedBox {
   }
   [[nodiscard]] SolveSummary run(double safety = 0.95) const {
     SolveOptions o;
-    o.energy_balance = true, o.time_step_safety = safety;
+    o.energy_balance = true;
+    o.time_step_safety = safety;
     return ExplicitSolver(mesh, steel()).solve(setup, {}, o);
   }
   Mesh mesh;
@@ -131,27 +139,33 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
 // is a large part of the energy in the few elements of a front, here of 20 in all. Mercury alone in a rigid channel has the stored energy sum V p^2 / 2 K.
 TEST(Energy, AveragedVelocitiesMakeItSwing) {
   Mesh mesh = block({20, 1, 1}, {0, 0, 0}, {0.02, 0.001, 0.001}, Region::mercury);
-  fix(mesh, 2 | 4, everywhere()), fix(mesh, 1, plane(0, 0)), fix(mesh, 1, plane(0, 0.02));
+  fix(mesh, 2 | 4, everywhere());
+  fix(mesh, 1, plane(0, 0));
+  fix(mesh, 1, plane(0, 0.02));
   RunSetup s = linear_setup(0, 0);
   s.hourglass = 0;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) s.p0.push_back(mesh.nodes[std::size_t(mesh.elements[e][0])][0] < 0.0095 ? 1e6 : 0);
   const ExplicitSolver solver(mesh, steel());
   const double dt = 0.95 * solver.stable_step(s);
-  s.output_interval = dt, s.end = 200 * dt;
+  s.output_interval = dt;
+  s.end = 200 * dt;
   const auto m = masses(mesh, s);
   std::vector<double> stored, kept, averaged;
   std::vector<Vec3> before;
   SolveOptions o;
-  o.time_step_safety = 1, o.field_interval = dt;
+  o.time_step_safety = 1;
+  o.field_interval = dt;
   o.on_field = [&](const FieldSnapshot& f) {  // u_n with v_(n - 1/2)
     double potential = 0, product = 0, square = 0;
     for (std::size_t n = 0; n < f.velocity.size() && !before.empty(); ++n) {
       const double a = before[n][0], b = f.velocity[n][0];
-      product += 0.5 * m[Eigen::Index(n)] * a * b, square += 0.125 * m[Eigen::Index(n)] * (a + b) * (a + b);
+      product += 0.5 * m[Eigen::Index(n)] * a * b;
+      square += 0.125 * m[Eigen::Index(n)] * (a + b) * (a + b);
     }
     if (stored.size() > 1) kept.push_back(stored.back() + product), averaged.push_back(stored.back() + square);
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) potential += f.pressure[e] * f.pressure[e] / (2 * s.liquid.bulk_modulus) * 1e-9;
-    stored.push_back(potential), before = f.velocity;
+    stored.push_back(potential);
+    before = f.velocity;
   };
   (void)solver.solve(s, {}, o);
   const auto swing = [](const std::vector<double>& e) {

@@ -56,7 +56,8 @@ Fit least(const std::function<double(const std::vector<double>&)>& f, std::vecto
     gsl_multimin_fminimizer_set(search.get(), &g, at.get(), step.get());
     for (int i = 0; i < iterations && !gsl_multimin_fminimizer_iterate(search.get()); ++i)
       if (gsl_multimin_fminimizer_size(search.get()) < 1e-6) break;
-    x = plain(search->x), value = search->fval;
+    x = plain(search->x);
+    value = search->fval;
   }
   return {x, value};
 }
@@ -87,7 +88,10 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
     int n = 0;
     for (std::size_t i = 0; i < history.size(); ++i) {
       if (double(i) * sample < 250e-6 || double(i) * sample > 420e-6) continue;
-      hh += history[i] * history[i], hy += history[i] * record.value[i], yy += record.value[i] * record.value[i], ++n;
+      hh += history[i] * history[i];
+      hy += history[i] * record.value[i];
+      yy += record.value[i] * record.value[i];
+      ++n;
     }
     return 1e3 * std::sqrt((yy - hy * hy / hh) / n);
   };
@@ -116,7 +120,7 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
         return misfit(there);
       },
       {0, 0.25}, {3, 0.05});
-  const auto told = [&](const char* what, double measured, double reference, double tolerance) {
+  const auto print_row = [&](const char* what, double measured, double reference, double tolerance) {
     verify({.item = item,
             .quantity = fmt::format("bar: residual, {}", what),
             .unit = "mV",
@@ -126,11 +130,11 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
             .tolerance = tolerance,
             .control = "the rows of the other laws, whose residuals differ"});
   };
-  told("1-D bar", base.rms, 27.4, 0.15);
-  told("sensor lag", lag.rms, 25.5, 0.15);
-  told("viscous attenuation", viscous.rms, 23.7, 0.15);
-  told("Love's rod", love.rms, 17.4, 0.6);
-  told("Pochhammer and Chree", inertia.rms, 16.1, 0.15);
+  print_row("1-D bar", base.rms, 27.4, 0.15);
+  print_row("sensor lag", lag.rms, 25.5, 0.15);
+  print_row("viscous attenuation", viscous.rms, 23.7, 0.15);
+  print_row("Love's rod", love.rms, 17.4, 0.6);
+  print_row("Pochhammer and Chree", inertia.rms, 16.1, 0.15);
   verify({.item = item,
           .quantity = "bar: Poisson's ratio found by lateral_inertia",
           .reference = 0.285,
@@ -140,7 +144,7 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
           .control = "the same by Love's rod",
           .control_value = love.x[1]});
   std::cout << fmt::format("low pass of second order: {:.2f} mV at {:.1f} kHz; Love's rod nu {:.3f}\n", low_pass.rms, low_pass.x[1], love.x[1]);
-  for (const Fit* rival : {&base, &lag, &viscous, &low_pass, &love}) EXPECT_GT(rival->rms, inertia.rms + 0.5);
+  for (const Fit* other : {&base, &lag, &viscous, &low_pass, &love}) EXPECT_GT(other->rms, inertia.rms + 0.5);
 }
 
 // Gauge pressure at a closing valve of Adelaide's rig (37.23 m, 22.1 mm, 1.4 m/s, 22 m of head, the valve 2.03 m above) with column separation. Its points
@@ -200,7 +204,9 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
             wall = fit({speed, friction, "mechanism.wall_viscoelasticity.compliance"}, {1319, 0.3, 0.2}, {60, 0.2, 0.1}, any_friction),
             lag = fit({speed, friction, "mechanism.sensor_response.lag"}, {1319, 0.3, 0.02}, {60, 0.2, 0.02}, any_friction);
   Numbers fitted = cutoff, level = cutoff;
-  fitted[speed] = vapour.x[0], fitted[friction] = vapour.x[1], level["line.rise"] = 0;
+  fitted[speed] = vapour.x[0];
+  fitted[friction] = vapour.x[1];
+  level["line.rise"] = 0;
   const auto returns = [&](const std::vector<double>& history) {  // when the pressure returns
     for (std::size_t i = 400;; ++i)
       if (history[i] > 200) return model.shape().times[i];
@@ -238,7 +244,7 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
           .tolerance = 0.1,
           .control = "retarded wall instead",
           .control_value = wall.rms / elastic.rms});
-  for (const Fit* rival : {&elastic, &unsteady, &wall, &lag}) EXPECT_GT(rival->rms, 1.5 * vapour.rms);
+  for (const Fit* other : {&elastic, &unsteady, &wall, &lag}) EXPECT_GT(other->rms, 1.5 * vapour.rms);
   EXPECT_GT(vapour.x[1], 0.01);
   EXPECT_LT(vapour.x[1], 0.04);
   EXPECT_GT(elastic.x[1], 0.2);  // absurd: the steady flow would lose more pressure than is available

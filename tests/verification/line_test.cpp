@@ -94,7 +94,8 @@ TEST(LinePipe, ShowsJoukowskysPressureAndThePeriodExactly) {
 
 TEST(LinePipe, LosesWhatLaminarFrictionTakes) {
   PipeSetup s = pipe();
-  s.viscosity = 0.02, s.velocity = 0.1;
+  s.viscosity = 0.02;
+  s.velocity = 0.1;
   const double rate = 16 * s.viscosity / s.density / (s.diameter * s.diameter);
   const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + 2 * rate / z; });
   PipeSetup none = s;
@@ -112,7 +113,9 @@ TEST(LinePipe, LosesWhatLaminarFrictionTakes) {
 
 TEST(LinePipe, LosesWhatUnsteadyFrictionTakes) {
   PipeSetup s = pipe(128);
-  s.viscosity = 0.01, s.velocity = 0.1, s.unsteady_friction = 1;
+  s.viscosity = 0.01;
+  s.velocity = 0.1;
+  s.unsteady_friction = 1;
   const double nu = s.viscosity / s.density, T = s.diameter * s.diameter / (4 * nu), steady = 32 * nu / (s.diameter * s.diameter);
   const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + steady / z + 2.0 / std::sqrt(z * T + 210.08); });
   PipeSetup quasi_steady = s;
@@ -159,15 +162,18 @@ TEST(LinePipe, CavityAtTheValveIsThatOfTheExactSolution) {
   double greatest = 0, least = 0, least_elastic = 0, flown = 0, worst = 0, most = 0;
   const double steady = stored(flow, s);
   while (flow.time() < 6 * period) {
-    flow.step(), elastic.step();
+    flow.step();
+    elastic.step();
     greatest = std::max(greatest, flow.cavity()[32]);
     double cavities = 0;
     for (std::size_t i = 0; i < flow.nodes(); ++i) {
-      least = std::min(least, flow.pressure(i)), least_elastic = std::min(least_elastic, elastic.pressure(i));
+      least = std::min(least, flow.pressure(i));
+      least_elastic = std::min(least_elastic, elastic.pressure(i));
       cavities += flow.cavity()[i];
     }
     flown += flow.time_step() * flow.area() * (flow.downstream()[0] - flow.downstream()[32]);
-    most = std::max(most, cavities), worst = std::max(worst, std::abs(stored(flow, s) - steady - cavities - flown));
+    most = std::max(most, cavities);
+    worst = std::max(worst, std::abs(stored(flow, s) - steady - cavities - flown));
   }
   const double exact = flow.area() * (s.velocity - d) * period;
   verify({.item = item,

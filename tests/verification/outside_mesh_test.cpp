@@ -23,20 +23,31 @@ ForwardCase target(const std::string& kind, double end) {
   auto& g = c.geometry;
   g.kind = kind;
   if (kind == "box") {
-    g.length = 0.06, g.width = 0.05, g.height = 0.04, g.wall = 0.004, g.element_size = 0.004, g.half = true;
+    g.length = 0.06;
+    g.width = 0.05;
+    g.height = 0.04;
+    g.wall = 0.004;
+    g.element_size = 0.004;
+    g.half = true;
   } else {
-    g.element_size = 0.012, g.half = true;
+    g.element_size = 0.012;
+    g.half = true;
   }
   c.load.peak_pressure = 25e6;
   c.load.profile.center = {0.0, 0.02};
-  c.time.end = end, c.time.output_interval = end / 20;
+  c.time.end = end;
+  c.time.output_interval = end / 20;
   const double top = kind == "box" ? 0.04 : 0.12;
   int n = 0;
   for (const Vec3& at : {Vec3{0.03, 0.0, top}, Vec3{0.04, -0.007, top}, Vec3{0.035, 0.011, 0.0}}) {
     SensorOptions s;
-    s.name = std::string(1, char('A' + n)), s.position = {kind == "box" ? at[0] : 0.1 + at[0], at[1], at[2]};
-    s.direction = {1, 0.5 * n, 0}, s.gauge_length = n == 2 ? 0.004 : 0, s.max_distance = 1e-3;
-    c.sensors.push_back(s), ++n;
+    s.name = std::string(1, char('A' + n));
+    s.position = {kind == "box" ? at[0] : 0.1 + at[0], at[1], at[2]};
+    s.direction = {1, 0.5 * n, 0};
+    s.gauge_length = n == 2 ? 0.004 : 0;
+    s.max_distance = 1e-3;
+    c.sensors.push_back(s);
+    ++n;
   }
   return c;
 }
@@ -51,7 +62,8 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 ForwardCase from(ForwardCase c, const std::filesystem::path& path) {
   c.geometry = {};
-  c.geometry.kind = "mesh", c.geometry.file = path.string();
+  c.geometry.kind = "mesh";
+  c.geometry.file = path.string();
   return c;
 }
 
@@ -112,7 +124,7 @@ void write_shuffled(const MeshFile& mesh, const std::filesystem::path& path, con
 
 }  // namespace
 
-TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
+TEST(OutsideMesh, TargetsThroughAFileGiveTheSameBits) {
   for (const char* kind : {"box", "jet_flow"}) {
     const ForwardCase c = target(kind, 2e-5);
     const auto own = strain(c);
@@ -126,7 +138,7 @@ TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
   }
 }
 
-TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheAnswerByRoundingAlone) {
+TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheResultByRoundingAlone) {
   const ForwardCase c = target("box", 2e-5);
   const auto own = strain(c);
   write_mesh(make_mesh(c.geometry), scratch_file("own.inp"));

@@ -81,7 +81,9 @@ TEST(Patch, CentreGradientsInPlaceOfMeanOnesWouldFail) {
         for (int i = 0; i < 3; ++i) {
           if (mean) {
             auto plus = x, minus = x;
-            plus[std::size_t(a)][i] += 1e-5, minus[std::size_t(a)][i] -= 1e-5;  // V is linear in each coordinate
+            // V is linear in each coordinate
+            plus[std::size_t(a)][i] += 1e-5;
+            minus[std::size_t(a)][i] -= 1e-5;
             b[i] = (hexahedron::volume(plus) - hexahedron::volume(minus)) / 2e-5;
           } else {
             b[i] = 0;

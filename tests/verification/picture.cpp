@@ -59,7 +59,8 @@ std::string picture(const std::string& name, const std::vector<Curve>& curves) {
   Axis x = found == axes.end() ? Axis{name} : found->second.first, y = found == axes.end() ? Axis{""} : found->second.second;
   std::vector<double> all_x, all_y;
   for (const auto& c : curves) all_x.insert(all_x.end(), c.x.begin(), c.x.end()), all_y.insert(all_y.end(), c.y.begin(), c.y.end());
-  x.fit(all_x), y.fit(all_y);
+  x.fit(all_x);
+  y.fit(all_y);
   const auto px = [&](double v) { return left + width * x.share(v); };
   const auto py = [&](double v) { return top + height * (1 - y.share(v)); };
 

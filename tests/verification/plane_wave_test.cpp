@@ -41,8 +41,10 @@ Transit transit(Region region, int n, double true_speed, const RunSetup& base) {
   double weight = 0, moment = 0, square = 0, exact = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {
     const double x = mesh.nodes[i][0], e = 1e-6 * gauss(x - 0.3, sd);
-    weight += u[i][0] * u[i][0], moment += x * u[i][0] * u[i][0];
-    square += (u[i][0] - e) * (u[i][0] - e), exact += e * e;
+    weight += u[i][0] * u[i][0];
+    moment += x * u[i][0] * u[i][0];
+    square += (u[i][0] - e) * (u[i][0] - e);
+    exact += e * e;
   }
   return {(moment / weight - from) / time, std::sqrt(square / exact)};
 }
@@ -64,7 +66,8 @@ TEST(PlaneWave, SpeedAndOrderInBothMaterials) {
     // Control: a modulus that is 2 % too high gives a speed that is 1 % too high.
     RunSetup spoiled = setup;
     spoiled.liquid.bulk_modulus *= 1.02;
-    spoiled.steel.lambda *= 1.02, spoiled.steel.mu *= 1.02;
+    spoiled.steel.lambda *= 1.02;
+    spoiled.steel.mu *= 1.02;
     const Transit faster = transit(region, 400, c, spoiled);
     EXPECT_GT(faster.speed, 1.005 * c);
     verify({.item = "Plane wave",
@@ -119,10 +122,12 @@ Reflection reflection(double h, double speed, double steel_stiffness, int common
     const double x = mesh.nodes[i][0];
     if (x < wall) {
       const double f = 1e-6 * gauss(x - (wall - 0.16), sd);
-      ru += u[i][0] * f, rr += f * f;
+      ru += u[i][0] * f;
+      rr += f * f;
     } else {
       const double f = 1e-6 * gauss((x - front) * speed / c, sd);
-      tu += u[i][0] * f, tt += f * f;
+      tu += u[i][0] * f;
+      tt += f * f;
     }
   }
   // Displacements reflect with -R; transmitted pressure is Z_s/Z_m times the transmitted displacement.
@@ -137,7 +142,7 @@ double exact_reflection(double speed) {
 }  // namespace
 
 // R = (Z_s - Z_m)/(Z_s + Z_m) = 0.3925 at c = 1450 m/s, 0.3907 at 1456; T = 1 + R (physics.md section 4).
-TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
+TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAccordingToTheImpedances) {
   EXPECT_NEAR(exact_reflection(1450), 0.3925, 5e-5);
   EXPECT_NEAR(exact_reflection(1456), 0.3907, 5e-5);
   for (const double speed : {1450., 1456.}) {

@@ -21,7 +21,8 @@ double theory(double h, double modulus = young) {
 /// neither the deflection nor the motion along the edge is free, as in Navier's solution. Frequency [Hz] over 1.25 periods.
 double frequency(double h, int n, const LinearElastic& moduli, bool supported = true) {
   Mesh mesh = block({n, n, 2}, {0, 0, -h / 2}, {a / 2, b / 2, h / 2}, Region::steel);
-  fix(mesh, 1, plane(0, 0)), fix(mesh, 2, plane(1, 0));
+  fix(mesh, 1, plane(0, 0));
+  fix(mesh, 2, plane(1, 0));
   fix(mesh, 2 | 4, plane(0, a / 2));
   if (supported) fix(mesh, 1 | 4, plane(1, b / 2));
   const double kx = M_PI / a, ky = M_PI / b, period = 1 / theory(h);

@@ -119,7 +119,9 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
   // u = gamma/delta, v = alpha/beta is stationary: on a record of it ln p consists of ln sigma and the priors.
   const double alpha = 0.5, beta = 0.025, gamma = 0.8, delta = 0.02, u = gamma / delta, v = alpha / beta;
   Json data;
-  data["ts"] = {1, 10, 20}, data["y_init"] = {u, v}, data["y"] = {{u, v}, {u, v}, {u, v}};
+  data["ts"] = {1, 10, 20};
+  data["y_init"] = {u, v};
+  data["y"] = {{u, v}, {u, v}, {u, v}};
   std::vector<double> x{alpha, beta, gamma, delta, u, v, 0.3, 0.4};
   for (double& value : x) value = std::log(value);
   const auto normal = [](double value, double mean, double sd) { return -0.5 * std::pow((value - mean) / sd, 2); };
@@ -132,13 +134,13 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
 /// without a line of its own has its defaults.
 SamplerOptions options_of(const std::string& kind, const std::string& posterior) {
   SamplerOptions o = default_sampler_options(kind);
-  const bool dear = posterior == "mixture", wide = posterior == "eight_schools";
-  if (kind == "dram") o.warmup = dear ? 3000 : 10000, o.draws = 5000, o.thin = dear ? 1 : wide ? 20 : 8;
+  const bool expensive = posterior == "mixture", wide = posterior == "eight_schools";
+  if (kind == "dram") o.warmup = expensive ? 3000 : 10000, o.draws = 5000, o.thin = expensive ? 1 : wide ? 20 : 8;
   if (kind == "nuts") o.warmup = 1000, o.draws = 2500, o.thin = 1;
   if (kind == "ensemble")
     o.warmup = 1000, o.draws = posterior == "kid_scores" ? 400 : 1000, o.thin = 10, o.dispersion = reference_posterior(posterior).dispersion;
-  if (kind == "smc") o.draws = dear ? 500 : 1000;
-  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = dear ? 1000 : 3000, o.table<DelayedAcceptanceOptions>().first_stage = dear ? 10 : 20;
+  if (kind == "smc") o.draws = expensive ? 500 : 1000;
+  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = expensive ? 1000 : 3000, o.table<DelayedAcceptanceOptions>().first_stage = expensive ? 10 : 20;
   return o;
 }
 
@@ -173,7 +175,7 @@ double worst_of_wrong(const ReferencePosterior& p, const LogDensity& wrong, cons
 
 class Control : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Control, AFlatterDensityIsTold) {
+TEST_P(Control, AFlatterDensityIsDetected) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
   if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));
@@ -185,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(Published, Control, ValuesIn(posterior_names()), [](con
 /// draws cannot resolve.
 class FewData : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(FewData, TellADroppedJacobian) {
+TEST_P(FewData, DetectADroppedJacobian) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
   if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));

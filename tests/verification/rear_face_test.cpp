@@ -15,7 +15,8 @@ Mesh channel(int nx, int nz, double height, double long_side = length) {
   Mesh m = block({nx, 1, nz}, {0, 0, 0}, {long_side, h, height}, Region::mercury);
   fix(m, 1, plane(0, 0));
   fix(m, 2, everywhere());
-  fix(m, 4, plane(2, 0)), fix(m, 4, plane(2, height));
+  fix(m, 4, plane(2, 0));
+  fix(m, 4, plane(2, height));
   m.rear = faces_at(m, 0, long_side);
   return m;
 }
@@ -42,7 +43,7 @@ std::pair<double, double> first_and_last_energy(const Mesh& mesh, const RunSetup
 
 }  // namespace
 
-TEST(RearFace, UniformlyHeatedMercuryBeforeItStaysAtRest) {
+TEST(RearFace, UniformlyHeatedMercuryBeforeItRemainsAtRest) {
   const Mesh mesh = channel(50, 3, 0.012);
   RunSetup s = linear_setup(2e-4, 1e-6);
   const double p0 = 20e6;

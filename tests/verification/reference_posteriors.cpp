@@ -72,14 +72,17 @@ struct EightSchools {
       double by_z = 0, by_minus_theta = 0;
       const double theta = x[0] + tau * x[2 + j];
       sum += log_normal(x[2 + j], 0, 1, by_z) + log_normal(y[j], theta, sigma[j], by_minus_theta);
-      by_mu -= by_minus_theta, by_ln_tau -= by_minus_theta * tau * x[2 + j], by_z -= by_minus_theta * tau;
+      by_mu -= by_minus_theta;
+      by_ln_tau -= by_minus_theta * tau * x[2 + j];
+      by_z -= by_minus_theta * tau;
       if (!g.empty()) g[2 + j] = by_z;
     }
     if (!g.empty()) g[0] = by_mu, g[1] = by_ln_tau;
     return sum;
   }
   void constrain(std::span<const double> x, std::span<double> q) const {
-    q[0] = x[0], q[1] = std::exp(x[1]);
+    q[0] = x[0];
+    q[1] = std::exp(x[1]);
     for (std::size_t j = 0; j < 8; ++j) q[2 + j] = x[0] + q[1] * x[2 + j];
   }
 };
@@ -103,7 +106,10 @@ struct KidScores {
     for (std::size_t i = 0; i < y.size(); ++i) {
       const double r = y[i] - (x[0] + x[1] * hs[i] + x[2] * iq[i] + x[3] * hs[i] * iq[i]);
       squares += r * r;
-      moments[0] += r, moments[1] += r * hs[i], moments[2] += r * iq[i], moments[3] += r * hs[i] * iq[i];
+      moments[0] += r;
+      moments[1] += r * hs[i];
+      moments[2] += r * iq[i];
+      moments[3] += r * hs[i] * iq[i];
     }
     double by_ln_sigma = 0;
     const double sum = log_residuals(squares, y.size(), x[4], jacobian, by_ln_sigma), precision = std::exp(-2 * x[4]);
@@ -132,7 +138,8 @@ struct Autoregression {
     for (std::size_t t = 5; t < y.size(); ++t) {
       double r = y[t] - x[0];
       for (std::size_t k = 1; k <= 5; ++k) r -= x[k] * y[t - k];
-      squares += r * r, moments[0] += r;
+      squares += r * r;
+      moments[0] += r;
       for (std::size_t k = 1; k <= 5; ++k) moments[k] += r * y[t - k];
     }
     double by_ln_sigma = 0, sum = log_residuals(squares, y.size() - 5, x[6], jacobian, by_ln_sigma);
@@ -171,23 +178,33 @@ struct Mixture {
     double product = 1;  // of 1 + e, each at most 2, whose logarithm is taken now and then
     for (std::size_t i = 0; i < y.size(); ++i) {
       const double a = (y[i] - q[0]) / q[2], b = (y[i] - q[1]) / q[3], l1 = ln_w1 - 0.5 * a * a, l2 = ln_w2 - 0.5 * b * b, e = std::exp(-std::abs(l1 - l2));
-      sum += std::max(l1, l2), product *= 1 + e;
+      sum += std::max(l1, l2);
+      product *= 1 + e;
       if (i % 512 == 511) sum += std::log(product), product = 1;
       if (g.empty()) continue;
       const double first = (l1 > l2 ? 1 : e) / (1 + e), second = 1 - first;  // shares of the two
       firsts += first;
-      by_mu[0] += first * a / q[2], by_mu[1] += second * b / q[3];
-      by_ln_sigma[0] += first * (a * a - 1), by_ln_sigma[1] += second * (b * b - 1);
+      by_mu[0] += first * a / q[2];
+      by_mu[1] += second * b / q[3];
+      by_ln_sigma[0] += first * (a * a - 1);
+      by_ln_sigma[1] += second * (b * b - 1);
     }
     sum += std::log(product);
     if (!g.empty()) {
-      g[0] = by_mu[0] + by_mu[1], g[1] = by_mu[1] * gap + jacobian, g[2] = by_ln_sigma[0], g[3] = by_ln_sigma[1];
+      g[0] = by_mu[0] + by_mu[1];
+      g[1] = by_mu[1] * gap + jacobian;
+      g[2] = by_ln_sigma[0];
+      g[3] = by_ln_sigma[1];
       g[4] = power * (1 - 2 * q[4]) + firsts - double(y.size()) * q[4];
     }
     return sum;
   }
   void constrain(std::span<const double> x, std::span<double> q) const {
-    q[0] = x[0], q[1] = x[0] + std::exp(x[1]), q[2] = std::exp(x[2]), q[3] = std::exp(x[3]), q[4] = 1 / (1 + std::exp(-x[4]));
+    q[0] = x[0];
+    q[1] = x[0] + std::exp(x[1]);
+    q[2] = std::exp(x[2]);
+    q[3] = std::exp(x[3]);
+    q[4] = 1 / (1 + std::exp(-x[4]));
   }
 };
 
@@ -204,7 +221,10 @@ struct Populations {
     Populations r{.u = a * u, .v = d * v};
     if constexpr (sensitive) {
       for (std::size_t j = 0; j < n; ++j) r.su[j] = a * su[j] + b * sv[j], r.sv[j] = c * su[j] + d * sv[j];
-      r.su[0] += u, r.su[1] -= u * v, r.sv[2] -= v, r.sv[3] += u * v;
+      r.su[0] += u;
+      r.su[1] -= u * v;
+      r.sv[2] -= v;
+      r.sv[3] += u * v;
     }
     return r;
   }

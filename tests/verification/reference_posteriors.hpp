@@ -19,7 +19,7 @@ struct ReferencePosterior {
   std::string file;            ///< of data and reference: {data, reference: {quantity: {quantiles: {"0.05": value}}}}
   std::vector<double> centre;  ///< (d), about which chains start
   double deviation = 1;        ///< typical deviation that a sampler receives, the same for every coordinate
-  double dispersion = 2;       ///< deviation of the first walkers of an ensemble: smaller than for chains where some would stay in a lesser mode
+  double dispersion = 2;       ///< deviation of the first walkers of an ensemble: smaller than for chains where some would remain in a lesser mode
   std::unique_ptr<LogDensity> (*make)(const Json& data, Jacobian jacobian);
   /// A cheaper or less accurate density on the same coordinates, for samplers that have a first stage. Sampled by itself it misses the reference.
   std::unique_ptr<LogDensity> (*stand_in)(const Json& data);

@@ -16,11 +16,18 @@ namespace {
 struct Box {
   explicit Box(bool plane_strain, double size) {
     GeometryOptions g;
-    g.kind = "box", g.length = 0.08, g.width = 0.05, g.height = 0.04, g.wall = 0.004, g.plane_strain = plane_strain, g.half = !plane_strain,
+    g.kind = "box";
+    g.length = 0.08;
+    g.width = 0.05;
+    g.height = 0.04;
+    g.wall = 0.004;
+    g.plane_strain = plane_strain;
+    g.half = !plane_strain;
     g.element_size = size;
     mesh = make_mesh(g);
     ProfileOptions profile;
-    profile.center = {0, 0.02}, profile.widths = {0.03, 0.015};
+    profile.center = {0, 0.02};
+    profile.widths = {0.03, 0.015};
     setup = linear_setup(6e-5, 2e-6);
     setup.liquid.viscosity = 2000;
     for (const double v : heating_shape(mesh, profile).element) setup.p0.push_back(25e6 * v);
@@ -32,7 +39,8 @@ struct Box {
   }
   [[nodiscard]] std::vector<double> run(int threads = 1, const std::string& precision = "double") const {
     SolveOptions o;
-    o.threads = threads, o.precision = precision;
+    o.threads = threads;
+    o.precision = precision;
     return ExplicitSolver(mesh, steel(), threads).solve(setup, rows, o).observations;
   }
   Mesh mesh;
@@ -130,7 +138,8 @@ TEST(Reproducibility, InstructionSetsAgreeToRounding) {
       SolveOptions o;
       const auto s = ExplicitSolver(box.mesh, steel()).solve(box.setup, box.rows, o);
       used += s.kernel + ' ';
-      runs.push_back(s.observations), single.push_back(box.run(1, "single"));
+      runs.push_back(s.observations);
+      single.push_back(box.run(1, "single"));
     }
     std::cout << "[ measured ] kernels = " << used << '\n';
     for (std::size_t i = 1; i < 3; ++i) {

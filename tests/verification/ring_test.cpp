@@ -56,7 +56,8 @@ std::vector<double> solver_frequencies(double h, int n, double c, const std::vec
     const double y = mesh.nodes[i][1], z = mesh.nodes[i][2], r = std::hypot(y, z);
     if (r < radius + 0.99 * h) continue;
     const double share = y < 1e-9 || z < 1e-9 ? 0.5 : 1;  // the ends belong to the neighbouring quarters as well
-    wall.nodes.push_back(NodeId(i)), wall.weights.push_back({0, share * y / r, share * z / r});
+    wall.nodes.push_back(NodeId(i));
+    wall.weights.push_back({0, share * y / r, share * z / r});
   }
   const std::vector<ObservationRow> rows{wall};
   const auto out = ExplicitSolver(mesh, steel()).solve(s, rows, {});

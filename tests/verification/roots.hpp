@@ -43,7 +43,8 @@ inline double peak_frequency(std::span<const double> t, std::span<const double> 
     double re = 0, im = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
       const double w = (y[i] - mean) * (1 - std::cos(2 * M_PI * (t[i] - t.front()) / span));
-      re += w * std::cos(2 * M_PI * f * t[i]), im += w * std::sin(2 * M_PI * f * t[i]);
+      re += w * std::cos(2 * M_PI * f * t[i]);
+      im += w * std::sin(2 * M_PI * f * t[i]);
     }
     return std::hypot(re, im);
   };

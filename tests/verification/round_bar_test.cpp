@@ -25,7 +25,8 @@ struct LongitudinalMode {
     const auto m = LinearElastic::from_young(young, nu);
     s = std::sqrt(k * k - omega * omega * steel_density / m.longitudinal_modulus());
     q = std::sqrt(omega * omega * steel_density / m.mu - k * k);
-    A = (q * q - k * k) * std::cyl_bessel_j(1, q * a), B = -2 * k * s * std::cyl_bessel_i(1, s * a);
+    A = (q * q - k * k) * std::cyl_bessel_j(1, q * a);
+    B = -2 * k * s * std::cyl_bessel_i(1, s * a);
   }
   [[nodiscard]] double radial(double r) const { return A * s * std::cyl_bessel_i(1, s * r) - B * k * std::cyl_bessel_j(1, q * r); }
   [[nodiscard]] double axial(double r) const { return -A * k * std::cyl_bessel_i(0, s * r) + B * q * std::cyl_bessel_j(0, q * r); }
@@ -51,9 +52,13 @@ double solver_ratio(double omega, double ratio, double nu, double size, double s
   const LinearElastic moduli = LinearElastic::from_young(stiffness * young, nu);
   const LongitudinalMode mode(w, k, poisson);
   GeometryOptions g;
-  g.kind = "bar", g.radius = a, g.length = M_PI / k, g.element_size = size * a;
+  g.kind = "bar";
+  g.radius = a;
+  g.length = M_PI / k;
+  g.element_size = size * a;
   Mesh mesh = make_mesh(g);
-  fix(mesh, 1, plane(0, 0)), fix(mesh, 1, plane(0, *g.length));
+  fix(mesh, 1, plane(0, 0));
+  fix(mesh, 1, plane(0, *g.length));
   RunSetup s = linear_setup(6 * period, period / 20);
   s.steel = moduli;
   const double scale = 1e-6 / std::abs(mode.axial(0));
@@ -88,7 +93,8 @@ TEST(RoundBar, DispersesAsPochhammerAndChree) {
             .order = observed_order({1. / 4, 1. / 6}, {coarse - root, fine - root}),
             .control = "modulus -5 %",
             .control_value = solver_ratio(omega, root, poisson, 1. / 6, 0.95)});
-    omegas.push_back(omega), got.push_back(fine);
+    omegas.push_back(omega);
+    got.push_back(fine);
   }
   const double root = exact_ratio(1.22);
   std::vector<double> errors;

@@ -86,7 +86,12 @@ TEST(Slip, NormalMotionIsCommonAndMomentumIsKept) {
 // In a long box the mercury beside an edge between two walls moves along that edge only.
 TEST(Slip, AlongAnEdgeBetweenTwoWallsOnlyTheEdgeDirectionIsFree) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.06, g.width = 0.024, g.height = 0.02, g.wall = 0.004, g.element_size = 0.002;
+  g.kind = "box";
+  g.length = 0.06;
+  g.width = 0.024;
+  g.height = 0.02;
+  g.wall = 0.004;
+  g.element_size = 0.002;
   Mesh mesh = make_mesh(g);
   mesh.rear.clear();  // a free end
   // The run stops before a wave from the front wall can reach the middle.

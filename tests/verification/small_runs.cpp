@@ -106,10 +106,12 @@ std::vector<ObservationRow> all_components(const Mesh& mesh) {
 
 RunSetup linear_setup(double end, double output_interval) {
   RunSetup s;
-  s.steel_density = steel_density, s.liquid_density = mercury_density;
+  s.steel_density = steel_density;
+  s.liquid_density = mercury_density;
   s.steel = steel();
   s.liquid = {mercury_density * mercury_speed * mercury_speed, std::numeric_limits<double>::infinity(), 0};
-  s.end = end, s.output_interval = output_interval;
+  s.end = end;
+  s.output_interval = output_interval;
   return s;
 }
 

@@ -58,7 +58,7 @@ TEST(Table, AValueMayMoveByATenthOfItsToleranceOnly) {
   EXPECT_THAT(compare(moved, committed.page), ElementsAre(HasSubstr("moved: Taylor plate | one")));
 }
 
-TEST(Table, RowsTooManyAndTooFewAreNoticed) {
+TEST(Table, AdditionalAndMissingRowsAreReported) {
   const Committed committed(two);
   Record other = two;
   other.rows[1].quantity = "three";
@@ -68,7 +68,9 @@ TEST(Table, RowsTooManyAndTooFewAreNoticed) {
   other.rows.push_back(two.rows[0]);
   EXPECT_THAT(compare(other, committed.page), ElementsAre(HasSubstr("recorded twice")));
   // The rows of a test that could not run may be missing.
-  other = two, other.rows.pop_back(), other.absent = {"BoxSlice.X: no reference solutions"};
+  other = two;
+  other.rows.pop_back();
+  other.absent = {"BoxSlice.X: no reference solutions"};
   EXPECT_THAT(compare(other, committed.page), IsEmpty());
 }
 

@@ -41,7 +41,7 @@ Flight fly(int n, double mass_factor) {
 
 // With elements of 20 mm the wave reflected from the plate begins with a jump, so that the method is of first order. The error is rho h / 2 m = 7 % of added
 // liquid times h / (c theta) = 1.4 %; 1 % is allowed.
-TEST(TaylorPlate, MovesAsTheFormulaSays) {
+TEST(TaylorPlate, MovesAccordingToTheFormula) {
   const Flight coarse = fly(200, 1), fine = fly(400, 1), spoiled = fly(400, 1.05);
   verify({.item = "Taylor plate",
           .quantity = "velocity over 5 ms, relative L2",

@@ -40,7 +40,8 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
   AssemblyOptions assembly;
   assembly.boundary = symmetric_quarter(length);
   Mesh mesh = assemble_mesh(extrude(filled_ring(2, 2, 1, radius, h), x, [](double p, double q, double c) { return Vec3{c, p, q}; }), assembly);
-  fix(mesh, 1, plane(0, 0)), fix(mesh, 1, plane(0, length));
+  fix(mesh, 1, plane(0, 0));
+  fix(mesh, 1, plane(0, length));
   std::vector<bool> liquid(mesh.nodes.size(), false);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const NodeId n : mesh.elements[e]) {
@@ -63,9 +64,11 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
       if (mesh.region[e] != Region::mercury) continue;
       const auto corners = hexahedron::corners(mesh, e);
       const double c = std::cos(k * (corners[0].x() + corners[7].x()) / 2), v = hexahedron::volume(corners);
-      sum += f.pressure[e] * c * v, weight += c * c * v;
+      sum += f.pressure[e] * c * v;
+      weight += c * c * v;
     }
-    time.push_back(f.time), pressure.push_back(sum / weight);
+    time.push_back(f.time);
+    pressure.push_back(sum / weight);
   };
   (void)ExplicitSolver(mesh, moduli).solve(s, {}, o);
   Hammer out;
@@ -74,7 +77,8 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
   double sine = 0, norm = 0;
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double q = std::sin(2 * M_PI * frequency * time[i]);
-    sine += q * pressure[i], norm += q * q;
+    sine += q * pressure[i];
+    norm += q * q;
   }
   out.pressure = std::abs(sine / norm) / (mercury_density * out.speed);
   return out;

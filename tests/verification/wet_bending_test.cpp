@@ -56,7 +56,10 @@ double solver_frequency(double h, double half, double depth, int n, double stiff
   // The spacing is quadratic: the layer on the plate is at most half / n thick.
   for (auto& x : m.nodes) x[2] = x[2] <= 0 ? x[2] * h / through : depth * (0.35 * x[2] / layers + 0.65 * std::pow(x[2] / layers, 2));
   m.liquid_element_size = half / n;
-  fix(m, 2, everywhere()), fix(m, 1, plane(0, 0)), fix(m, 1, plane(0, half)), fix(m, 4, plane(2, depth));
+  fix(m, 2, everywhere());
+  fix(m, 1, plane(0, 0));
+  fix(m, 1, plane(0, half));
+  fix(m, 4, plane(2, depth));
   split(m, {{0, 0, 1}});
   const LinearElastic moduli = LinearElastic::from_young(stiffness * young, poisson);
   const double period = 1 / thin_plate(h, k);

@@ -18,7 +18,7 @@ double sd(std::span<const double> x) {
   return std::sqrt(s / double(x.size() - 1));
 }
 
-/// Correlation over all draws, each chain about its own mean, so that it describes the shape and not where chains stand.
+/// Correlation over all draws, each chain about its own mean, so that it describes the shape and not where chains are.
 double correlation_within(ChainDraws a, ChainDraws b) {
   double aa = 0;
   double bb = 0;

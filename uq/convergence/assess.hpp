@@ -55,7 +55,7 @@ enum class ChainState {
   constant,            ///< all draws are equal
   still_chains,        ///< some chains did not move
   drift,               ///< most chains still move one way
-  separate_modes,      ///< chains stay on either side of a gap
+  separate_modes,      ///< chains remain on either side of a gap
   divergences,         ///< many trajectories diverged
   cut_trajectories,    ///< many trajectories were ended before they turned
   common_ancestors,    ///< particles of a population share ancestors

@@ -34,7 +34,7 @@ constexpr double start_width = 0.3;               ///< half width of a further s
 constexpr int most_rounds = 16;                   ///< of the second box: most of them are a few runs about the answer
 constexpr double steady = 3, steady_share = 0.1;  ///< change of a log Bayes factor in a round, absolute and relative, below which it is stable
 constexpr int stable_enough = 2;                  ///< rounds in a row
-constexpr double standing = 1;  ///< move of the mode in a round, in deviations, below which it is stable: an evidence may stay while the numbers still move
+constexpr double standing = 1;  ///< move of the mode in a round, in deviations, below which it is stable: an evidence may remain while the numbers still move
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
@@ -122,7 +122,7 @@ CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& ba
 
 /// Fits a model with cheap runs itself first, from the planned box, from the fit without the numbers and from a design; the emulator's box is placed about the
 /// best. That is done with the records' errors alone and, where the likeliest errors of the base fit have a discrepancy, with those: the errors of records far
-/// better than the model say little of where it fits best. The better fit counts.
+/// better than the model contain little information on where it fits best. The better fit counts.
 CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted,
                                   const RoundDone& round_done) {
   MultistartOptions search{.design_runs = design_runs,
@@ -195,7 +195,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear();
   for (const auto& r : fit.runs) {
-    TaughtRun known = r;
+    TrainingRun known = r;
     for (const auto& a : plan.added) known.theta.push_back(*a.parameter.nominal);
     in.known.push_back(std::move(known));
   }
@@ -247,7 +247,7 @@ CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const s
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
     if (k < own || plan.added[k - own].share_of.empty())  // the effect of a share is nearly the same over all its range
       in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-  in.box.clear_of_edge = 1;  // a box that is placed anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
+  in.box.clear_of_edge = 1;  // a box that is placed again whenever a moving mode comes near an edge would lose the runs that make the mode stable
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stable_rounds = 0;

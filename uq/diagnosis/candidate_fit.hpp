@@ -36,7 +36,7 @@ struct CandidatePlan {
 struct CandidateFit {
   PosteriorInputs inputs;  ///< of its last box
   PosteriorFit fit;
-  bool stable = false;  ///< its evidence and its numbers stayed while runs were added, or its emulator settled
+  bool stable = false;  ///< its evidence and its numbers remained while runs were added, or its emulator settled
 };
 
 /// Fits over the planned box and, while `wanted`, in a narrower box about the answer until more runs would not change it. `wanted` gets the log Bayes factor so

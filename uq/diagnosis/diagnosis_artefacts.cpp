@@ -14,7 +14,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double absorbing = 2;  ///< prior deviation of a base parameter that may stand in for what is left out
+constexpr double absorbing = 2;  ///< prior deviation of a base parameter that may compensate for omitted physics
 
 Json estimates_json(const std::vector<Estimate>& all) {
   Json list = Json::array();

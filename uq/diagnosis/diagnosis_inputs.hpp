@@ -22,14 +22,14 @@ struct DiagnosisOptions {
   void visit(V& v) {
     v("max_runs", max_runs,
       {.range = between(10, 1000000),
-       .doc = "runs (ensemble means of the true model) after which no further fit is begun; diagnosis.json lists what was left out. The default for a line or "
+       .doc = "runs (ensemble means of the true model) after which no further fit begins; diagnosis.json lists the skipped steps. The default for a line or "
               "an external model is 10 000"});
     v("leaders", leaders,
       {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model, at most; those with the greatest evidence to first order come first"});
-    v("pairs", pairs, {.doc = "whether two mechanisms together are fitted where none alone explains the records, and a faulty gauge beside one that does"});
+    v("pairs", pairs, {.doc = "whether two mechanisms together are fitted if none alone explains the records, and a faulty gauge beside one that does"});
     v("term_runs", term_runs,
       {.range = between(0, 1000000),
-       .doc = "runs of the coarser mesh, at most, beyond max_runs, for the terms that describe what is missing where the verdict on a target is unknown; 0 = "
+       .doc = "runs of the coarser mesh, at most, beyond max_runs, for the terms that describe the missing effect if the verdict on a target is unknown; 0 = "
               "no such terms"});
   }
 };

@@ -21,7 +21,7 @@ struct FirstOrderEstimate {
   Eigen::VectorXd shift;        ///< move of the fit's coordinates (u of the free parameters, k) that goes with it, (dimension)
 };
 
-/// The numbers of a block while the parameters stay where they are, (1 + D^T D)^-1 D^T r, (n). r is the residual of the records at `at` under hypothesis j
+/// The numbers of a block with fixed parameters, (1 + D^T D)^-1 D^T r, (n). r is the residual of the records at `at` under hypothesis j
 /// about the errors.
 [[nodiscard]] Eigen::VectorXd numbers_beside(const LogPosterior& posterior, const LogPosterior::Point& at, const AddedDirections& directions, std::size_t j);
 

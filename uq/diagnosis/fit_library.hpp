@@ -52,7 +52,7 @@ struct FitContext {
                                               const std::vector<ParameterGroup>& groups);
 
 /// A number of an explanation as it is reported, in the unit of the case. A share is multiplied by the number that it is a share of, which is one of the case's
-/// parameters (`own`) or stands in the case. A share that the records do not narrow to half its prior's deviation is reported as its prior.
+/// parameters (`own`) or is in the case. A share that the records do not narrow to half its prior's deviation is reported as its prior.
 [[nodiscard]] Estimate reported_number(const DiagnosisInputs& in, const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own);
 
 /// Reports an explanation that was fitted.

@@ -46,7 +46,7 @@ std::vector<Estimate> numbers_of_pair(const Alternative& below) {
 }
 
 /// Adds the group's own numbers and what follows from them, given the mode with them. The numbers are what is left of the residual at this mode in their
-/// directions while the parameters stay where they are, because the mode already has the freedom of the numbers.
+/// directions with fixed parameters, because the mode already has the freedom of the numbers.
 void add_numbers(LinearFit& fit, Alternative& a, const LinearErrors& errors, const LogPosterior& with, const LocalMode& m) {
   const ScreenedCandidate& candidate = fit.effect.candidate;
   const AddedDirections& directions = candidate.directions;
@@ -119,7 +119,7 @@ bool linearise_again(LinearFit& fit) {
   return true;
 }
 
-/// Repeats the fit about its estimate while it may lead, until the estimate stays.
+/// Repeats the fit about its estimate while it may lead, until the estimate remains.
 void follow_estimate(LinearFit& fit, Alternative& a, double best, int rounds) {
   RunBudget& budget = fit.context.budget;
   const int more = int(fit.effect.candidate.numbers.size()) + 2;

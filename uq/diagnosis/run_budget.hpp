@@ -12,14 +12,14 @@ namespace calomel {
 /// A step that a diagnosis did not make, or not to its end.
 struct SkippedStep {
   enum class Kind {
-    mechanisms,        ///< nothing was screened, because channels look mixed up
+    mechanisms,        ///< nothing was screened, because channels appear to be mixed up
     screening_failed,  ///< `name`: a run of its screening failed with `message`
     no_effect,         ///< `name`: no number of it changes the records by itself
     relinearisation,   ///< `name`: its numbers were not linearised again, which takes `runs` runs
     fit,               ///< `name`: its fit was not begun, which takes `runs` runs
     search_cut_short,  ///< `name`: the limit ended a search for its fit; the best that was found is reported
     fit_ended,         ///< `name`: the limit ended its fit; `message` of the error that followed, if it was another one
-    missing_terms,     ///< the terms that describe what is missing, which take `runs` runs
+    missing_terms,     ///< the terms that describe the missing effect, which take `runs` runs
   };
   Kind kind = Kind::fit;
   std::string name, message;

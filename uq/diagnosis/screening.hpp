@@ -55,7 +55,7 @@ struct ScreeningResult {
 
 /// Turns numbers that change nothing while the others of their group are off, such as the frequency of a force that is not there, into shapes of the group.
 /// They are screened at values over their priors and fitted with the others. theta: the point that is tried, (n_parameters), one run a strength. A group of
-/// which no number acts alone stays as it is, and so do all groups where the model does not run there.
+/// which no number acts alone remains as it is, and so do all groups where the model does not run there.
 [[nodiscard]] std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGroup> groups, const RunAdded& run, std::span<const double> theta);
 
 /// One gauge's part of a group that acts on each gauge alone (`by_sensor`): numbers "mechanism.NAME.SENSOR.KEY" of the case, under the names of the group's.

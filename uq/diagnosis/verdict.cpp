@@ -185,7 +185,7 @@ std::optional<double> share_predicted(const BaseEvidence& base, const Explanatio
 
 /// A numerical alternative that explains as much as a physical explanation, or more: no record distinguishes the two, or its evidence is behind by less than
 /// the lead that a name needs. Null: there is none.
-const Explanation* numerical_rival(const BaseEvidence& base, const std::vector<Explanation>& all, const Explanation& e, const Gates& g) {
+const Explanation* numerical_competitor(const BaseEvidence& base, const std::vector<Explanation>& all, const Explanation& e, const Gates& g) {
   const double own = evidence_of_name(base, e, g);
   const auto at = std::find_if(all.begin(), all.end(),
                                [&](const auto& x) { return x.numerical && &x != &e && (same_class(e, x) || own - evidence_of_name(base, x, g) < g.lead); });
@@ -207,8 +207,8 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (e.log_bayes_factor < g.log_bayes_factor) return e.fitted ? Gate::evidence : Gate::fitted;
   if (e.numerical) return Gate::numerical;
   const double own = evidence_of_name(base, e, g);
-  if (i > 0 && !same_class(all[0], e) && evidence_of_name(base, all[0], g) - own >= g.lead) return Gate::rival;
-  if (numerical_rival(base, all, e, g)) return Gate::numerical_rival;
+  if (i > 0 && !same_class(all[0], e) && evidence_of_name(base, all[0], g) - own >= g.lead) return Gate::competitor;
+  if (numerical_competitor(base, all, e, g)) return Gate::numerical_competitor;
   if (!e.fitted) return Gate::fitted;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
@@ -249,13 +249,13 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
       if (refuses(gate_not_passed(base, all, i, g))) refused.push_back(all[i].name);
     count_as_unknown(refused, v.ranking);
   }
-  if (reason.gate == Gate::numerical_rival) reason.numerical_rival = numerical_rival(base, all, best, g)->name;
+  if (reason.gate == Gate::numerical_competitor) reason.numerical_competitor = numerical_competitor(base, all, best, g)->name;
   if (reason.gate == Gate::probability) reason.probability = class_probability(base, all, 0, g);
   if (reason.gate == Gate::evidence || (reason.gate == Gate::fitted && best.log_bayes_factor < g.log_bayes_factor)) {
     v.kind = nothing_shown;
     return v;
   }
-  if (reason.gate != Gate::passed && reason.gate != Gate::rival) {
+  if (reason.gate != Gate::passed && reason.gate != Gate::competitor) {
     v.kind = VerdictKind::unknown;
     return v;
   }

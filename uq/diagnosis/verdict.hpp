@@ -91,17 +91,31 @@ struct Ranked {
 };
 
 /// The gates of the rule, in their order; the first one that an explanation fails.
-enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, misfit, held_out, plausible, handbook, probability };
+enum class Gate {
+  passed,
+  fitted,
+  evidence,
+  numerical,
+  competitor,
+  numerical_competitor,
+  explained,
+  remainder,
+  misfit,
+  held_out,
+  plausible,
+  handbook,
+  probability
+};
 
 /// The facts that decided a verdict.
 struct VerdictReason {
-  bool base_adequate = false;   ///< the base model explains the records within their errors
-  std::string leading;          ///< explanation with the greatest evidence; empty: nothing was offered
-  Gate gate = Gate::passed;     ///< that the leading explanation fails
-  double explained = 0;         ///< share of the excess that the leading explanation takes away
-  double lead = 0;              ///< of its evidence over that of the next class
-  double probability = 0;       ///< of its class, where the gate is `probability`
-  std::string numerical_rival;  ///< where the gate is `numerical_rival`
+  bool base_adequate = false;        ///< the base model explains the records within their errors
+  std::string leading;               ///< explanation with the greatest evidence; empty: nothing was offered
+  Gate gate = Gate::passed;          ///< that the leading explanation fails
+  double explained = 0;              ///< share of the excess that the leading explanation takes away
+  double lead = 0;                   ///< of its evidence over that of the next class
+  double probability = 0;            ///< of its class, where the gate is `probability`
+  std::string numerical_competitor;  ///< where the gate is `numerical_competitor`
 };
 
 struct Verdict {
@@ -119,7 +133,7 @@ struct Verdict {
 /// The greatest evidence_of_name first.
 void sort_by_evidence(const BaseEvidence& base, std::vector<Explanation>& all, const Gates& gates = {});
 
-/// The first gate that the i-th of all explanations fails, in the order of sort_by_evidence. `rival`: the best is not of its class and leads it too far.
+/// The first gate that the i-th of all explanations fails, in the order of sort_by_evidence. `competitor`: the best is not of its class and leads it too far.
 [[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
 
 /// Share, 0 to 1, of the excess of chi-squared above that of nothing missing which an explanation takes away; nothing where there is no excess.

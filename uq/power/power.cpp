@@ -76,15 +76,15 @@ struct PowerStudy {
                  .farthest = value(range),
                  .limited_by = {}};
     const auto own = fit.expected(c, k, c);
-    std::vector<std::pair<std::size_t, FirstOrderModel::Expected>> rivals;
+    std::vector<std::pair<std::size_t, FirstOrderModel::Expected>> competitors;
     for (std::size_t r = 0; r < screened.size(); ++r)
-      if (screened[r].group != candidate.group && groups[screened[r].group].name != group.name) rivals.emplace_back(r, fit.expected(c, k, r));
+      if (screened[r].group != candidate.group && groups[screened[r].group].name != group.name) competitors.emplace_back(r, fit.expected(c, k, r));
     for (int trial = 0; trial <= trials && !d.from; ++trial) {
       const double strength = range * std::pow(least_strength, 1 - double(trial) / trials), deviations = strength / prior_sd;
       const double log_b = own.log_bayes_factor(deviations);
       double next = 0;
       d.limited_by.clear();
-      for (const auto& [r, expected] : rivals)
+      for (const auto& [r, expected] : competitors)
         if (const double b = expected.log_bayes_factor(deviations); b > next) {
           next = b;
           d.limited_by = label(screened[r], groups, problem.shape);

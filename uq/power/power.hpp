@@ -26,7 +26,7 @@ struct PowerOptions {
     v("noise_time", noise_time, {.unit = "s", .range = at_least(0), .doc = "its correlation time"});
     v("energy_sd", energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
     v("gauges", gauges,
-      {.range = between(0, 100), .doc = "further gauges that are tried, one at a time, spread over the outer surface away from the case's own"});
+      {.range = between(0, 100), .doc = "further gauges that are tried, one at a time, distributed over the outer surface away from the case's own"});
     v("energies", energies,
       {.range = above(0), .doc = "further beam powers that are tried, one at a time, as multiples of the case's own, where it has one condition"});
   }

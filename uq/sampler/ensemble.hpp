@@ -36,9 +36,9 @@ struct WalkerOptions {
 ///  - stretch: y = x_j + z (x_k - x_j), z with the density ~ 1 / sqrt(z) on [1/a, a], accepted with min(1, z^(d - 1) p(y) / p(x_k));
 ///  - difference: y = x_k + g (x_i - x_j), g = 2.38 / sqrt(2 d) times N(1, 0.1), or 1 in one move of ten, which carries walkers between modes; accepted with
 ///    min(1, p(y) / p(x_k)).
-/// Both moves leave the product of the walkers' densities invariant and are the same under an affine map. Nothing is learnt in the warm-up. Walkers start about
-/// `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when the covariance is not positive definite, or the number of walkers is odd or too
-/// small; NumericsError where the density is NaN, or zero at all trial starts of a walker.
+/// Both moves leave the product of the walkers' densities invariant and are the same under an affine map. Nothing is adapted in the warm-up. Walkers start
+/// about `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when the covariance is not positive definite, or the number of walkers is odd
+/// or too small; NumericsError where the density is NaN, or zero at all trial starts of a walker.
 std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
                                             const Eigen::MatrixXd& covariance, double dispersion);
 

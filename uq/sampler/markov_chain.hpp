@@ -44,7 +44,7 @@ class MarkovChain {
   [[nodiscard]] virtual double log_density(std::size_t walker) const = 0;
   /// Whether a move between two transitions, which leaves the density invariant, may set its points elsewhere.
   [[nodiscard]] virtual bool jumps() const { return false; }
-  /// Sets a walker to x: (d), where the log density is `log_density`. centre: (d), the mode there; a shape that the chain learns is taken about it.
+  /// Sets a walker to x: (d), where the log density is `log_density`. centre: (d), the mode there; a shape that the chain adapts is taken about it.
   virtual void jump(std::size_t /*walker*/, std::span<const double> /*x*/, double /*log_density*/, const Eigen::VectorXd& /*centre*/) {
     expect(false, "jump() is called on chains that jump");
   }

@@ -58,8 +58,8 @@ std::vector<Eigen::Index> tops(const Eigen::MatrixXd& design, const std::vector<
   const Eigen::Index n = design.cols();
   if (n == 0) return {};
   const auto neighbours = std::min(std::size_t(2 * design.rows() + 4), std::size_t(n - 1));
-  const Eigen::VectorXd spread = (design.rowwise().maxCoeff() - design.rowwise().minCoeff()).cwiseMax(std::numeric_limits<double>::min());
-  const Eigen::MatrixXd scaled = spread.cwiseInverse().asDiagonal() * design;
+  const Eigen::VectorXd range = (design.rowwise().maxCoeff() - design.rowwise().minCoeff()).cwiseMax(std::numeric_limits<double>::min());
+  const Eigen::MatrixXd scaled = range.cwiseInverse().asDiagonal() * design;
   std::vector<Eigen::Index> found;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (values[std::size_t(i)] == never) continue;

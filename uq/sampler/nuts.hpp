@@ -43,7 +43,7 @@ std::vector<int> warmup_windows(int warmup);
 ///
 /// Step size: Nesterov's dual averaging (Hoffman and Gelman 2014, section 3.2) restarts with each metric from a step that is accepted half the time (algorithm
 /// 4); its average holds from freeze() on. Metric: S is `covariance` at first. After each window of the warm-up it is the covariance of the window's n draws,
-/// with the off-diagonal scaled by n / (n + 5 + d), so that it is positive definite; or its diagonal. covariance: (d, d); warmup: transitions that learn.
+/// with the off-diagonal scaled by n / (n + 5 + d), so that it is positive definite; or its diagonal. covariance: (d, d); warmup: transitions that adapt.
 /// Contract: the density has a gradient. Errors: InputError when the covariance is not positive definite; NumericsError where density or gradient are NaN,
 /// naming the place.
 std::unique_ptr<MarkovChain> nuts_chain(const LogDensity& density, const NutsOptions& options, const Eigen::MatrixXd& covariance, int warmup);

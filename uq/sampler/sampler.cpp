@@ -146,7 +146,7 @@ void expect_density_fits(const LogDensity& density, bool two_densities, const Sa
                       .suggestion = fmt::format("take \"{}\"", entry.first_stage)});
   if (entry.needs_gradient && !density.has_gradient()) {
     const auto others = quoted_kinds(*options.catalogue, [](const SamplerEntry& e) { return !e.needs_gradient && e.first_stage.empty(); });
-    throw InputError({.problem = "follows the gradient of the density, and this one has none",
+    throw InputError({.problem = "needs the gradient of the density, and this density has none",
                       .key = "sampler.kind",
                       .value = '"' + options.kind + '"',
                       .suggestion = fmt::format("take {}, which need none", others)});

@@ -72,7 +72,7 @@ struct SamplerResult {
 };
 
 /// Runs options.chains chains of options.warmup + options.draws * options.thin transitions. Chain k draws its start and its transitions from
-/// RandomStream(seed, k) alone. A start with density zero is refused and drawn anew, each time nearer to the mean.
+/// RandomStream(seed, k) alone. A start with density zero is refused and drawn again, each time nearer to the mean.
 /// With a journal, every chain is saved each save_every seconds and when it stops. The same call resumes there and ends with the same draws. The caller removes
 /// the journal (remove_journal) once the draws are stored. Errors: InputError when the journal belongs to other settings, when the disk is full, or when the
 /// density lacks what the sampler needs (a gradient, a second density); NumericsError when no start has a positive density, or the density is NaN somewhere;

@@ -1,6 +1,6 @@
 #pragma once
-/// The catalogue of samplers, and `[sampler]` of a case file. What other code needs to know of a sampler is a property of its entry here; no other code asks
-/// for a sampler by its name.
+/// The catalogue of samplers, and `[sampler]` of a case file. What other code needs to know of a sampler is a property of its entry here; no other code needs
+/// to know for a sampler by its name.
 #include <Eigen/Core>
 #include <functional>
 #include <memory>

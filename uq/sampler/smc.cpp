@@ -99,9 +99,9 @@ class SmcChain final : public MarkovChain {
     if (!drawn_) return draw(random);
     if (total_ >= options_.evaluations)
       throw NumericsError(
-          fmt::format("a population of {} particles has spent its {} evaluations and is at {:.3g} of the way from where it was drawn to the density, so that "
-                      "it has no draws yet; set sampler.smc.evaluations higher and the "
-                      "same command goes on, give starts nearer to the density, or take \"nuts\" or \"dram\", which follow narrow ridges better",
+          fmt::format("a population of {} particles has used its {} evaluations at temperature {:.3g} (1 is the density), so it has no draws yet; increase "
+                      "sampler.smc.evaluations and repeat the command, which resumes, give starts nearer to the density, or use \"nuts\" or \"dram\", which "
+                      "follow narrow ridges better",
                       n_, options_.evaluations, b_));
     if (!moving_) warm(random);
     sweep(random);

@@ -22,15 +22,15 @@ struct SmcOptions {
   void visit(V& v) {
     v("keep", keep,
       {.range = between(0.1, 0.999),
-       .doc = "share of the particles, by the conditional effective sample size, that a step of the temperature leaves; nearer to 1 takes more steps and knows "
-              "the evidence better"});
+       .doc = "conditional effective sample size after a step of the temperature, as a share of the particles; nearer to 1 takes more steps and gives a more "
+              "precise evidence"});
     v("correlation", correlation,
       {.range = between(0.01, 0.99), .doc = "particles move at each temperature until no coordinate's places correlate more than this with those before"});
     v("sweeps", sweeps, {.range = at_least(1), .doc = "moves of each particle at a temperature at most"});
     v("evaluations", evaluations,
       {.range = at_least(1),
-       .doc = "evaluations of the density that one population may take: where particles hardly move the call ends there (exit status 3), and with more the "
-              "same command goes on"});
+       .doc = "greatest number of evaluations of the density for one population. If the particles hardly move, the call ends there (exit status 3); with a "
+              "larger number the same command resumes"});
   }
 };
 

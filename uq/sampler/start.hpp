@@ -27,7 +27,7 @@ struct Beginning {
   Eigen::VectorXd x;
   double log_density = 0;
 };
-/// Draws x = mean + w L z with z ~ N(0, 1), anew while the density is zero there; w is `width` at first and 0.95 times as large after each refusal.
+/// Draws x = mean + w L z with z ~ N(0, 1), again while the density is zero there; w is `width` at first and 0.95 times as large after each refusal.
 /// factor: L, (d, d). Errors: NumericsError after 200 refusals, naming `whose` ("chain 2").
 Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
                           double width, RandomStream& random, const std::string& whose);

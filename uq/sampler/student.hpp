@@ -49,8 +49,8 @@ class StudentT {
 class StudentMixture {
  public:
   /// Puts a part about each mode, `widening` times as wide as its covariance; weights sum to 1. Errors: InputError when a covariance is not positive definite.
-  StudentMixture(const std::vector<StartMode>& modes, double widening) {
-    for (const auto& m : modes) parts_.emplace_back(m.weight, StudentT(m.mean, widening * covariance_factor(m.covariance, std::size_t(m.mean.size()))));
+  StudentMixture(const std::vector<StartMode>& modes, double inflation) {
+    for (const auto& m : modes) parts_.emplace_back(m.weight, StudentT(m.mean, inflation * covariance_factor(m.covariance, std::size_t(m.mean.size()))));
   }
   /// A part, drawn by its weight.
   [[nodiscard]] const StudentT& choose(RandomStream& random) const {

@@ -54,7 +54,7 @@ std::vector<double> values(const NetcdfReader& file, const std::string& name, co
   if (list.size() != wanted)
     throw InputError({.problem = "has " + std::to_string(list.size()) + " values where its sensors and times make " + std::to_string(wanted),
                       .key = name,
-                      .suggestion = "make the artefact anew with --fresh",
+                      .suggestion = "make the artefact again with --fresh",
                       .file = path.string()});
   return list;
 }
@@ -240,7 +240,8 @@ std::optional<CampaignRuns> campaign_runs(const std::filesystem::path& path) {
     }
   }
   if (c.theta.size() != c.runs() * c.parameters.size() || c.message.size() != c.runs())
-    throw InputError({.problem = "theta, status and message are not of one number of runs", .suggestion = "make it anew with --fresh", .file = path.string()});
+    throw InputError(
+        {.problem = "theta, status and message have different numbers of runs", .suggestion = "make it again with --fresh", .file = path.string()});
 
   // The scatter has the axes (run, [condition,] sensor, time).
   if (file.has("scatter") && !c.sensors.empty()) {

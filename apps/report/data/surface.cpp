@@ -25,8 +25,8 @@ ReportSurface report_surface(const Mesh& mesh, const std::vector<Face>& faces) {
 }
 
 namespace {
-/// Vertex clustering with cells of size h. The vertex nearest to the extremes of the box represents its cell, so flat sides stay flat and outer edges stay in
-/// place.
+/// Vertex clustering with cells of size h. The vertex nearest to the extremes of the box represents its cell, so flat sides remain flat and outer edges remain
+/// in place.
 ReportSurface clustered(const ReportSurface& surface, double h, const Vec3& low, const Vec3& high) {
   using Cell = std::array<std::int64_t, 3>;
   const auto edge_distance = [&](const Vec3& v) {

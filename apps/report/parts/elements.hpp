@@ -38,7 +38,7 @@ std::string case_argument(const ReportInput& input);
 Html command(const ReportInput& input, const std::string& verb, const std::string& more = "");
 /// A note that something is missing, and how to make it.
 Html missing(const Html& what, const Html& how = {});
-/// A note that there is no calibration yet; `lead` says for what it is needed.
+/// A note that there is no calibration yet; `lead` names its use.
 Html no_calibration(const ReportInput& input, const std::string& lead);
 /// A figure that a script draws. `label` describes it to those who do not see it.
 Html plot(const std::string& id, const Html& caption, const std::string& label);

@@ -8,7 +8,7 @@
 namespace calomel {
 
 class Html;
-/// Markup as it stands, without escaping. It is for the embedded template, styles and scripts alone.
+/// Markup without escaping. It is for the embedded template, styles and scripts alone.
 Html trusted_html(std::string markup);
 
 /// A piece of HTML. It comes from text, which is escaped, from element(), from fragment(), or from trusted_html().

@@ -57,7 +57,7 @@ Table effort_table(const Study& study) {
 }
 
 Table place_table(const Study& study) {
-  Table t{.id = "in_posterior", .caption = "Where the answers lie in the posterior, by MAP\u2019s mode and covariance."};
+  Table t{.id = "in_posterior", .caption = "The calibrations in the posterior, by MAP\u2019s mode and covariance."};
   t.columns = {
       {"method", "Method", 4, true}, {"distance", "Deviations from its mode", -2}, {"share_nearer", "Share of it that lies nearer [%]", -1, false, 100}};
   for (const auto& p : comparison_of(study).in_posterior)

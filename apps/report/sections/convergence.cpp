@@ -83,7 +83,7 @@ Table optimizer_agreement_table(const Study& study) {
 }
 
 Table formulation_table(const Study& study, const ReportInput& input) {
-  Table t{.id = "objectives", .caption = "The answer by each formulation of the misfit on the surrogate, and what the true model says there."};
+  Table t{.id = "objectives", .caption = "The optimum of each formulation of the misfit on the surrogate, and its score in the true model."};
   t.columns = {{"objective", "Objective", 4, true}};
   const auto* enc = study.calibration("enc");
   if (!enc) return t;

@@ -11,7 +11,7 @@ namespace calomel {
 /// {axes: [{name, label, span, density: on an even grid over the span, q05, q50, q95}],
 ///  pairs: [{i, j: axes of x and y, cells, density: (cell of y, cell of x) in thousandths of its maximum, level50, level90}],
 ///  points: (point, axis), marks: [{label, values: (axis), null where there is none}], ridge: {i, j, product} or null, of: number of quantities}.
-/// Marks are the optima of the calibrations, the nominal values and the published optima; the published ones do not widen the frame.
+/// Marks are the optima of the calibrations, the nominal values and the published optima; the published ones do not enlarge the frame.
 /// Densities on the diagonal are Gaussian kernel estimates (density_curve.hpp). They are reflected at the parameter's bounds when all draws lie within these.
 /// Densities of pairs are histograms of 32 by 32 cells, smoothed by a Gaussian of one cell. 50 and 90 % of the draws lie above the two levels. The ridge is
 /// rho c = median of the draws' products. At most `points` draws are drawn as points, thinned evenly. Null without posterior.nc.

@@ -51,7 +51,7 @@ std::string meaning(const std::string& verdict) {
 std::string where_and_when(const Study& study) {
   const Json& location = diagnosis_location(study);
   const Json& region = part_at(location, "region");
-  std::string s = "No single interval of time at one gauge stands out.";
+  std::string s = "No single interval of time at one gauge dominates.";
   if (const auto gauge = text_at(region, "first_sensor"); !gauge.empty()) {
     const double from = number_at(region, "first_time_s").value_or(0);
     s = from > 0 ? fmt::format("The mismatch is first seen at gauge {} from {} {} on.", gauge, time_number(from, study.time), study.time.name)
@@ -128,7 +128,7 @@ Html what_part(const Study& study) {
   const Table effects = effect_table(study);
   s += effects.rows.size() > most_rows ? folded(fmt::format("All {} numbers that were found", effects.rows.size()), effects) : shown(effects);
   if (const auto sentence = text_at(part_at(diagnosis_summary(study), "missing"), "sentence"); !sentence.empty())
-    s += heading("How what is missing behaves") + paragraph(sentence) + shown(missing_table(study));
+    s += heading("Behaviour of the missing effect") + paragraph(sentence) + shown(missing_table(study));
   return s;
 }
 

@@ -92,9 +92,9 @@ Table mismatch_table(const Study& study) {
                       named ? Cell(number_at(g, "after")) : Cell(), number_at(g, "heldout_before"), named ? Cell(number_at(g, "heldout_after")) : Cell()});
   }
   t.note =
-      "Mismatch 1 is the size of the errors alone; 3 is three times that. The q-value is the share of false alarms among parts as striking as this one; "
-      "below 0.05 it is bold. Misfit is the distance from the record "
-      "over the record\u2019s own size, at the frequencies that are compared; left out of the fit: as the fit to the other faces\u2019 gauges predicts it.";
+      "A mismatch of 1 is the size of the errors alone, 3 is three times that. The q-value is the share of false alarms among parts with at least this "
+      "mismatch; below 0.05 it is bold. Misfit is the distance from the record over the size of the record, at the compared frequencies. The columns of "
+      "left-out gauges use the prediction of a fit to the gauges of the other faces.";
   return t;
 }
 
@@ -150,20 +150,20 @@ Table explanation_table(const Study& study) {
                       tried ? Cell(number_at(r, "heldout_gain")) : Cell(), text_at(r, "size")});
   }
   t.note = fmt::format(
-      "Bold is the verdict. Evidence is the logarithm of how many times likelier the records are with this alone than with the simulation as it is and "
-      "anything else beside it; of what was not tried, with anything else "
-      "beside what was. The log Bayes factor allows anything else beside both. An effect is given with one standard deviation; those of explanations that do "
-      "not lead are estimates to first order. Probabilities are "
-      "cautious: they stand for the evidences to the power of 1/{:.2g}. A name needs more than the highest probability: for a log Bayes factor of {:.2g}, "
+      "Bold is the verdict. Evidence is the log Bayes factor of this explanation alone over the base model with any discrepancy. For untried causes it is that "
+      "of the tried explanations with any discrepancy. The column log Bayes factor allows any discrepancy in both models. An effect is given with one standard "
+      "deviation; those of explanations that do "
+      "not lead are estimates to first order. Probabilities are cautious: they use the evidences to the power of 1/{:.2g}. A name needs more than the highest "
+      "probability: a log Bayes factor of {:.2g}, "
       "evidence {:.2g} "
-      "above that of the next, and a probability above {:.0f} %. Where the verdict is unknown, what has the evidence but fails another of the rule's tests "
-      "has no probability: it speaks for something else that acts alike.",
+      "above that of the next, and a probability above {:.0f} %. If the verdict is unknown, an explanation that has the evidence but fails another test of the "
+      "rule has no probability, because it points to an untried effect with a similar action.",
       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead, 100 * Gates{}.believed);
   return t;
 }
 
 Table reason_table(const Study& study) {
-  Table t{.id = "diagnosis_reasons", .caption = "Why each of them is named or not, and what would change that."};
+  Table t{.id = "diagnosis_reasons", .caption = "Why each explanation is named or not, and what would change that."};
   t.columns = {{"explanation", "Explanation", 4, true}, {"why", "Why, or why not", 4, true}, {"would_change", "What would change it", 4, true}};
   for (const auto& r : list_at(diagnosis_summary(study), "ranking"))
     if (const auto why = text_at(r, "why"); !why.empty())
@@ -172,14 +172,15 @@ Table reason_table(const Study& study) {
 }
 
 Table missing_table(const Study& study) {
-  Table t{.id = "diagnosis_missing", .caption = "Terms that would do what is missing, the one that says most first."};
+  Table t{.id = "diagnosis_missing", .caption = "Terms that would reproduce the missing effect, by decreasing evidence."};
   t.columns = {
       {"what", "Change of", 4, true}, {"place", "Where", 4, true}, {"value", "By", 4, true}, {"log_bayes_factor", "Log Bayes factor beside those above", 3}};
   for (const auto& m : list_at(part_at(diagnosis_summary(study), "missing"), "terms"))
     t.rows.push_back({text_at(m, "what"), text_at(m, "place"), text_at(m, "value"), number_at(m, "log_bayes_factor")});
   t.note =
-      "Estimates to first order about the base fit, with one standard deviation. A term stands for physics without a name: look for what could do the same "
-      "there. The places are parts that were chosen beforehand; what is missing may be smaller, or reach beyond.";
+      "Estimates to first order about the base fit, with one standard deviation. A term represents physics without a name: look for a cause with the same "
+      "effect "
+      "there. The places were chosen in advance; the missing effect may act on a smaller or larger part.";
   return t;
 }
 
@@ -202,7 +203,8 @@ Table handbook_table(const Study& study, const ReportInput& input) {
   t.columns = {{"parameter", "Parameter", 4, true},  {"handbook", "Handbook", 4}, {"handbook_sd", "sd", 2},
                {"before", "Simulation as it is", 4}, {"before_sd", "sd", 2},      {"before_apart", "apart [sd of the handbook]", -1}};
   if (named)
-    for (const auto& column : {Column{"after", "With what is named", 4}, Column{"after_sd", "sd", 2}, Column{"after_apart", "apart [sd of the handbook]", -1}})
+    for (const auto& column :
+         {Column{"after", "With the named mechanism", 4}, Column{"after_sd", "sd", 2}, Column{"after_apart", "apart [sd of the handbook]", -1}})
       t.columns.push_back(column);
   const Json& all = part_at(diagnosis_summary(study), "base_parameters");
   const Json& before = part_at(all, "before");
@@ -229,8 +231,8 @@ Table handbook_table(const Study& study, const ReportInput& input) {
     t.rows.push_back(std::move(row));
   }
   t.note =
-      "A parameter that a fit pushes away from the handbook (bold from one standard deviation on) often stands in for something that is left out. The sd of "
-      "the handbook is what was known before the records.";
+      "A parameter that a fit pushes away from the handbook (bold from one standard deviation on) often compensates for an omitted effect. The sd of "
+      "the handbook is that of the prior.";
   return t;
 }
 

@@ -51,22 +51,26 @@ Html sentence_html(std::string text, bool bad = false) {
 }  // namespace
 
 Table nuisance_table(const Study& study) {
-  Table t{.id = "nuisances", .caption = "Coordinates of the posterior that are no parameters of the case, with what was known of them before the records."};
-  t.columns = {{"name", "Coordinate", 4, true},       {"value", "Value", 4}, {"sd", "Sd", 2}, {"prior_value", "Prior", 4}, {"prior_sd", "Sd of the prior", 2},
-               {"pull", "Pull [sd of the prior]", -2}};
+  Table t{.id = "nuisances", .caption = "Nuisance coordinates of the posterior (not parameters of the case), with their priors."};
+  t.columns = {{"name", "Coordinate", 4, true},
+               {"value", "Value", 4},
+               {"sd", "Sd", 2},
+               {"prior_value", "Prior", 4},
+               {"prior_sd", "Sd of the prior", 2},
+               {"pull", "Deviation [sd of the prior]", -2}};
   for (const auto& n : list_at(map_json_of(study), "nuisances")) {
     const auto deviation = number_at(n, "pull");
     t.rows.push_back({text_at(n, "name"), number_at(n, "value"), number_at(n, "sd"), number_at(n, "prior_value"), number_at(n, "prior_sd"),
                       Cell(deviation, deviation && std::abs(*deviation) > notable_deviation)});
   }
   t.note =
-      "\u201cbeyond\u201d is the multiple of the last difference between meshes that lies beyond the finest. A pull of more than one deviation (bold) says "
-      "that something is missing that the coordinate takes up.";
+      "\u201cbeyond\u201d is the multiple of the last difference between meshes that is added to the finest mesh. A deviation above one (bold) suggests "
+      "that the coordinate compensates for an omitted effect.";
   return t;
 }
 
 Table emulator_table(const Study& study) {
-  Table t{.id = "emulator", .caption = "Runs that the emulator is trained on, by mesh, and its errors [% of a run]."};
+  Table t{.id = "emulator", .caption = "Training runs of the emulator, by mesh, and its errors [% of a run]."};
   t.columns = {{"mesh", "Mesh", 4, true},
                {"runs", "Runs", 6},
                {"left_out", "Error at a run that is left out [%]", -2, false, percent},
@@ -74,12 +78,12 @@ Table emulator_table(const Study& study) {
   std::size_t level = 0;
   for (const auto& l : list_at(emulator_of(study), "levels"))
     t.rows.push_back({level_name(level++), number_at(l, "runs"), number_at(l, "left_out"), number_at(l, "noise")});
-  t.note = "Where the emulator holds, a run that is left out is missed by little more than numerical noise, which nothing predicts.";
+  t.note = "The error at a left-out run of a valid emulator is little above the numerical noise, which no emulator predicts.";
   return t;
 }
 
 Table share_table(const Study& study) {
-  Table t{.id = "covariance_shares", .caption = "What the errors\u2019 covariance is made of: shares of its trace."};
+  Table t{.id = "covariance_shares", .caption = "Terms of the covariance of the errors: shares of its trace."};
   t.columns = {{"term", "Term", 4, true}, {"share", "Share [%]", -1, false, percent}};
   if (const Json& shares = part_at(emulator_of(study), "covariance_shares"); shares.is_object())
     for (const auto& [name, share] : shares.items())
@@ -88,13 +92,13 @@ Table share_table(const Study& study) {
   return t;
 }
 
-Table pull_table(const Study& study) {
+Table prior_deviation_table(const Study& study) {
   constexpr std::size_t most = 10;
-  Table t{.id = "pulls", .caption = "What the records say of numbers that were taken for known to so much, farthest first."};
-  t.columns = {{"number", "Number", 4, true}, {"pull", "Pulled by, of its sd before", -1}, {"sd", "Sd by the records, of that before", -2}};
+  Table t{.id = "pulls", .caption = "Estimates of the marginalised nuisance parameters, the largest deviation first."};
+  t.columns = {{"number", "Number", 4, true}, {"pull", "Deviation [sd of the prior]", -1}, {"sd", "Sd [sd of the prior]", -2}};
   for (const auto& p : list_at(emulator_of(study), "pulls"))
     if (t.rows.size() < most) t.rows.push_back({nuisance_name(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
-  t.note = "A number beyond three of its deviations is not what was said of it, or takes up something that the model leaves out.";
+  t.note = "If a deviation exceeds three, the prior is wrong, or the parameter compensates for an effect that the model omits.";
   return t;
 }
 
@@ -107,7 +111,7 @@ Html emulator_section(const Study& study) {
            sentence_html(text_at(part_at(map, "score_tests"), "sentence"));
   if (const auto message = text_at(emulator, "message"); !message.empty()) s += sentence_html("the emulator: " + message, fails(emulator, "settled"));
   s += sentence_html(text_at(check, "sentence"), fails(check, "holds"));
-  return s + shown(nuisance_table(study)) + shown(pull_table(study)) + shown(emulator_table(study)) + shown(share_table(study));
+  return s + shown(nuisance_table(study)) + shown(prior_deviation_table(study)) + shown(emulator_table(study)) + shown(share_table(study));
 }
 
 }  // namespace calomel

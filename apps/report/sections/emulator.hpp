@@ -9,7 +9,7 @@ namespace calomel {
 /// map.json.
 Table nuisance_table(const Study& study);
 /// The ten marginalised numbers with the largest prior deviations, from map.json, else from posterior.json.
-Table pull_table(const Study& study);
+Table prior_deviation_table(const Study& study);
 /// Runs, leave-one-out error and numerical noise by mesh, from the same file.
 Table emulator_table(const Study& study);
 /// Shares of the terms in the trace of the covariance of the errors, largest first, from the same file.

@@ -107,18 +107,15 @@ Html floor_section(const Study& study, const ReportInput& input) {
       std::max_element(records.begin(), records.end(), [](const Json& a, const Json& b) { return number_at(a, "relative") < number_at(b, "relative"); });
   const auto share = [&](const char* key) { return number_html(percent * number_at(study.floor, key).value_or(0), 2); };
   const Html introduction = paragraph(
-      "Cavitating mercury is chaotic: what physics does not fix \u2013 where the mesh nodes lie, the regularising viscosity, which pulse energies are taken "
-      "\u2013 moves the answer. By how much is the repeatability floor: here ",
+      "Cavitating mercury is chaotic. Choices that physics does not fix (places of the mesh nodes, regularising viscosity, pulse energies) change the result. "
+      "The size of this change is the repeatability floor, here ",
       strong(share("mean"), "\u00a0%"), " of the signal on average over the gauges, ", share("worst"), "\u00a0% at the worst",
       worst == records.end() ? "" : " (" + record_name(*worst, records) + ")",
-      ". A difference between simulation and record that is smaller than this says nothing about the target; no parameter and no mechanism may be chosen by "
-      "it.");
+      ". A smaller difference between simulation and record contains no information on the target. Do not select parameters or mechanisms by it.");
   const Html note = paragraph_of("note",
-                                 "Single runs: what chaos alone makes of a change of nothing; the ensemble mean, with which a mean record is compared, evens "
-                                 "it out. Half the element size: "
-                                 "what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision "
-                                 "is good enough while its row "
-                                 "stays below the floor.");
+                                 "Single runs: the effect of chaos on a single run after an irrelevant change; the ensemble mean, with which a mean record is "
+                                 "compared, reduces it. Half the element size: the remaining error of the mesh; if it is well above the floor, a finer mesh "
+                                 "improves the result more than further runs. Single precision is sufficient while its row is below the floor.");
   return introduction + floor_table(study).html() + note + floor_sensor_table(study).html() +
          folded("The floor by stretch of the record", floor_window_table(study, input));
 }

@@ -69,7 +69,7 @@ Html outcome(const CalibrationArtefacts& c, const ReportInput& input) {
   const auto nominal_accuracy = number_at(c.summary, "nominal_accuracy");
   const auto mae = number_at(c.summary, "mae");
   const auto nominal_mae = number_at(c.summary, "nominal_mae");
-  if (!mae) return paragraph(c.method, ".json holds no scores, so nothing can be said of how well the calibration fits.");
+  if (!mae) return paragraph(c.method, ".json holds no scores, so the quality of the fit is unknown.");
   const std::string unit = display_unit(input).name;
   if (!accuracy) return error_outcome(c, *mae, unit);
   return paragraph_of("outcome", "With the parameters found by ", c.label, ", the calibrated simulation lies inside the measured band ",
@@ -129,7 +129,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
     const auto runs = number_at(*study.campaign, "runs");
     const auto failed = number_at(*study.campaign, "failed");
     if (runs && failed && *failed > 0.2 * *runs)
-      list.push_back(fmt::format("campaign: {} of {} runs failed, more than a fifth; what is built on it is not to be trusted", *failed, *runs));
+      list.push_back(fmt::format("campaign: {} of {} runs failed, more than a fifth; results that use it are not to be trusted", *failed, *runs));
   }
   return list;
 }

@@ -47,7 +47,7 @@ Html histories_section(const Study& study, const ReportInput& input) {
   s += paragraph(
       "Strain is positive in tension; time 0 is the start of the pulse. Drag across a plot to zoom in time: all plots follow. Double-click, or the button, "
       "shows "
-      "everything again. A trace is switched on and off in the legend. Beside each name stand the share of samples inside the band and the mean absolute "
+      "everything again. A trace is switched on and off in the legend. Beside each name are the share of samples inside the band and the mean absolute "
       "error.");
   return s + place("history-controls", "controls") + "\n" + place("histories-plots", "plots") + "\n";
 }

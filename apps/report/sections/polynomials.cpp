@@ -63,8 +63,7 @@ Table lambda_table(const Study& study) {
       for (const char* part : {"lambda", "fraction", "mean_squared_error"}) row.emplace_back(number_at(part_at(c, key), part));
     t.rows.push_back(std::move(row));
   }
-  if (!t.rows.empty())
-    t.note = "At \u03bb_max and above every coefficient vanishes. Which of the two was taken stands among the options of SPE (lambda_scale).";
+  if (!t.rows.empty()) t.note = "At \u03bb_max and above every coefficient vanishes. The option lambda_scale of SPE chooses between the two.";
   return t;
 }
 

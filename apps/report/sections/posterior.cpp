@@ -35,8 +35,8 @@ Html adequacy(const Study& study, const ReportInput& input) {
   const std::string sentence = text_at(*study.sample, "adequacy");
   if (sentence.empty()) return {};
   if (part_at(*study.sample, "adequate") == Json(false))
-    return paragraph_of("outcome", strong("By chi-squared, ", sentence, "."), " The intervals below do not cover what is missing: ", command(input, "diagnose"),
-                        " finds out what was left out.");
+    return paragraph_of("outcome", strong("By chi-squared, ", sentence, "."),
+                        " The intervals below do not include the missing effect: ", command(input, "diagnose"), " investigates which effect is omitted.");
   return paragraph("By chi-squared, ", sentence, ".");
 }
 
@@ -48,21 +48,21 @@ Html no_absorption(const Study& study, const ReportInput& input) {
   Html s;
   if (!known.empty())
     s += paragraph("Of ", joined(known, ", "), known.size() == 1 ? ", which has a prior," : ", which have priors,",
-                   " none sits more than two prior standard deviations from what was known of it.");
+                   " none differs by more than two prior standard deviations from its prior mean.");
   if (!unknown.empty())
-    s += paragraph("Of ", joined(unknown, ", "), " nothing but bounds was given. Whether ", unknown.size() == 1 ? "it has" : "they have",
-                   " taken the place of physics that the model leaves out cannot be known without priors of the material: give ", element("code", "prior"),
-                   ", or set ", element("code", "map.product = \"physical\""), ".");
+    s += paragraph("For ", joined(unknown, ", "), " only bounds were given. Whether ", unknown.size() == 1 ? "it has" : "they have",
+                   " compensated for omitted physics cannot be known without priors of the material: give ", element("code", "prior"), ", or set ",
+                   element("code", "map.product = \"physical\""), ".");
   return s;
 }
 
-/// The alarm: a parameter far from its prior has absorbed physics that the model leaves out.
+/// The alarm: a parameter far from its prior compensates for physics that the model omits.
 Html absorption(const Study& study, const ReportInput& input) {
   Html alarms;
   for (const auto& a : list_at(*study.sample, "absorption"))
     if (a.is_string()) alarms += paragraph_of("outcome", strong(a.get<std::string>(), "."));
   if (alarms.empty()) return no_absorption(study, input);
-  return alarms + paragraph("Such a value is no property of the material. ", command(input, "diagnose"), " finds out what was left out.");
+  return alarms + paragraph("Such a value is no property of the material. ", command(input, "diagnose"), " investigates which effect is omitted.");
 }
 
 /// The quantities whose density is cut.
@@ -76,7 +76,7 @@ Html cut_densities(const Study& study) {
                    "side.");
 }
 
-/// "The records narrow what was known: density 2.9 times. Of young they say next to nothing: ..."
+/// "The records narrow the priors: density 2.9 times. Of young they contain almost no information: ..."
 Html narrowing(const Study& study, const ReportInput& input) {
   std::vector<Html> narrowed;
   std::vector<Html> same;
@@ -89,8 +89,9 @@ Html narrowing(const Study& study, const ReportInput& input) {
     if (*times < hardly) same.emplace_back(name);
   }
   Html s;
-  if (!narrowed.empty()) s += fragment("The records narrow what was known: ", joined(narrowed, ", "), ".");
-  if (!same.empty()) s += fragment(s.empty() ? "" : " ", "Of ", joined(same, ", "), " they contain almost no information: what is reported is the prior.");
+  if (!narrowed.empty()) s += fragment("The records narrow the priors: ", joined(narrowed, ", "), ".");
+  if (!same.empty())
+    s += fragment(s.empty() ? "" : " ", "Of ", joined(same, ", "), " they contain almost no information: the reported distribution is the prior.");
   return s.empty() ? s : paragraph(s);
 }
 
@@ -103,9 +104,8 @@ Html corner_plot(const Study& study, const ReportInput& input) {
   const Html caption = fragment(
       "Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it every pair, with the "
       "lines "
-      "within which 50 and 90 % of the draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an arrow on the frame "
-      "points "
-      "to one that lies outside of it.",
+      "within which 50 and 90 % of the draws lie. Discs, and the marks on top of the densities, are the calibrated values; an arrow on the frame points to one "
+      "that lies outside.",
       ridge ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "",
       names.size() > most ? fmt::format(" The first {} of {} quantities, the case\u2019s parameters before the others.", most, names.size()) : "");
   return plot("corner-plot", caption, "Corner plot of the posterior");
@@ -115,32 +115,28 @@ Html predictions(const Study& study) {
   if (!study.predictive) return {};
   const bool errors = !study.predictive->predicted_low.empty();
   const Html text = paragraph(
-      errors
-          ? "Wide band: what 90 % of the mean records lie between that the posterior predicts, with all errors that it counts: noise, gains, places of the "
-            "gauges, "
-            "energy, mesh, emulator and, of the physical product, what the model leaves out. Errors go together along a record, so that it may well lie inside "
-            "all the time; much less than 90 % says that errors, or physics, are missing. The errors are those below the frequency up to which records are "
-            "compared. "
-          : "",
-      "Narrow band: the simulations at 90 % of the draws, without any errors: what is uncertain because the parameters are.");
-  return heading("Does it follow the records?") + text + element("div", place("predictive-controls", "controls"), "\n", place("predictive-plots", "plots")) +
-         "\n";
+      errors ? "Wide band: 90 % interval of the predicted mean record with all errors of the posterior: noise, gains, places of the gauges, energy, mesh, "
+               "emulator and, for the physical product, omitted physics. Errors are correlated along a record, so the record may lie inside at all times. If "
+               "much less than 90 % lies inside, errors or physics are missing. The errors are those below the highest compared frequency. "
+             : "",
+      "Narrow band: 90 % interval of the simulations at the draws, without errors. It shows the uncertainty of the parameters alone.");
+  return heading("Does the posterior predict the records?") + text +
+         element("div", place("predictive-controls", "controls"), "\n", place("predictive-plots", "plots")) + "\n";
 }
 
 Html chains_plot() {
-  return plot(
-      "chain-plot",
-      "Left: each chain\u2019s draws one after another. Chains that have converged lie upon one another and look like noise; one that stays apart, drifts or "
-      "sticks has not. Right: how much more or less often than expected (dashed) the draws of a chain fall in each of 20 parts of the ranks of all draws, a "
-      "strip a chain. Within the grey band of chance: the chains agree. A slope: a chain lies too high or too low. A hill or a bowl: it is too narrow or too "
-      "wide.",
-      "Traces and ranks of the chains");
+  return plot("chain-plot",
+              "Left: the draws of each chain in their order. Converged chains overlap and look like noise. A chain that is separate, drifts or sticks has not "
+              "converged. Right: the counts of a chain\u2019s draws in each of 20 parts of the ranks of all draws, against the expected count (dashed), one "
+              "strip a chain. Counts within the grey band agree with chance. A slope means that a chain is too high or too low, a hill or a bowl that it is "
+              "too narrow or too wide.",
+              "Traces and ranks of the chains");
 }
 
 }  // namespace
 
 Table posterior_table(const Study& study, const ReportInput& input) {
-  Table t{.id = "posterior", .caption = "Marginal posterior of every parameter, and how well the draws know it."};
+  Table t{.id = "posterior", .caption = "Marginal posterior of every parameter, and the precision of its estimate."};
   if (!study.sample) return t;
   t.columns = {{"parameter", "Parameter", 4, true},
                {"mean", "Mean", 5},
@@ -183,7 +179,8 @@ std::string posterior_draws_csv(const Study& study) {
 Html posterior_headline(const Study& study, const ReportInput& input) {
   if (!study.sample) return {};
   if (part_at(*study.sample, "converged") != Json(true))
-    return paragraph_of("outcome", strong("The posterior is not to be trusted"), "; ", link_to("posterior", "its section"), " says why and what to do.");
+    return paragraph_of("outcome", strong("The posterior is not to be trusted"), "; see ", link_to("posterior", "its section"),
+                        " for the reason and the remedy.");
   std::vector<Html> intervals;
   for (const auto& p : list_at(*study.sample, "parameters")) {
     const std::string name = text_at(p, "name");
@@ -197,7 +194,7 @@ Html posterior_headline(const Study& study, const ReportInput& input) {
                                  number_html(*high, 4), ")"));
   }
   if (intervals.empty()) return {};
-  const Html final_or_not = part_at(*study.sample, "final") == Json(false) ? fragment(" ", strong("Not final"), ": the warnings say why.") : Html();
+  const Html final_or_not = part_at(*study.sample, "final") == Json(false) ? fragment(" ", strong("Not final"), ": see the warnings.") : Html();
   return paragraph_of("outcome", "By the ", link_to("posterior", "posterior"), ": ", joined(intervals, "; "), ". In brackets: 90\u00a0% of the draws.",
                       final_or_not);
 }
@@ -206,7 +203,7 @@ Html posterior_section(const Study& study, const ReportInput& input) {
   if (!study.sample && !study.posterior)
     return missing(fragment("No posterior has been sampled (posterior.nc, posterior.json). Sample it with ", command(input, "sample"), "."));
   Html s = study.sample ? convergence(*study.sample) + adequacy(study, input) + absorption(study, input) + shown(posterior_table(study, input))
-                        : missing("posterior.json is missing, so nothing is said of convergence.");
+                        : missing("posterior.json is missing, so convergence is unknown.");
   if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.");
   if (const Table t = prior_table(study, input); !t.empty())
     s += heading("What have the records shown?") + narrowing(study, input) +

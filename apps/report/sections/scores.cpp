@@ -56,7 +56,7 @@ std::string nominal_note(const Study& study) {
     if (part_at(part_at(c.summary, "mesh"), "nominal_inside_emulator") == Json(false)) names += (names.empty() ? "" : ", ") + c.label;
   return names.empty() ? ""
                        : "The nominal point lies outside the emulator\u2019s box (" + names +
-                             "): its correction is that of the box\u2019s nearest point, and its scores are surer on the case\u2019s own mesh.";
+                             "): its correction is that of the box\u2019s nearest point, and its scores are more reliable on the case\u2019s own mesh.";
 }
 }  // namespace
 

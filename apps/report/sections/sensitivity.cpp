@@ -64,11 +64,9 @@ Html shares_paragraphs(const std::vector<Whole>& list) {
     shares += fragment(k + 1 == list.size() ? " and " : ", ", list[k].parameter, " in ", share_html(list[k].share), interval_html(*list[k].total));
   return paragraph_of("outcome", "Of all the variation of the records, ", shares, ".") +
          paragraph(
-             "These are total indices: what a parameter does alone and together with others, so they may add up to more than 100\u00a0%. In brackets: "
-             "95\u00a0% "
-             "intervals. Alone, the parameters make ",
-             share_html(alone), " of the variation",
-             alone < hardly_together ? "; the rest is what they do together." : ", so they hardly act upon one another.");
+             "These are total indices: the effect of a parameter alone and in interactions, so they may add up to more than 100\u00a0%. In brackets: 95\u00a0% "
+             "intervals. Alone, the parameters cause ",
+             share_html(alone), " of the variation", alone < hardly_together ? "; the rest is due to interactions." : ", so interactions are small.");
 }
 
 /// The parameters that hardly matter.
@@ -78,7 +76,7 @@ Html weak_paragraph(const std::vector<Whole>& list) {
     if (const auto high = number_at(*w.total, "high"); high && *high < negligible) weak.emplace_back(w.parameter);
   if (weak.empty()) return {};
   const bool one = weak.size() == 1;
-  return paragraph(joined(weak, ", "), one ? " hardly matters" : " hardly matter", " within these bounds: these records say next to nothing of ",
+  return paragraph(joined(weak, ", "), one ? " hardly matters" : " hardly matter", " within these bounds: these records contain almost no information on ",
                    one ? "it" : "them", ".");
 }
 
@@ -242,9 +240,8 @@ Html curves_part() {
               "Map of the total index by parameter, gauge and time") +
          place("sensitivity-controls", "choice") + "\n" +
          plot("sensitivity-curves",
-              "Indices over time of one gauge. Solid: total index; dashed: first order, what the parameter does alone. Where the two part, parameters act "
-              "together. "
-              "Below: standard deviation of the record as the parameters vary.",
+              "Indices over time of one gauge. Solid: total index; dashed: first order, the effect of the parameter alone. Where the two differ, parameters "
+              "interact. Below: standard deviation of the record as the parameters vary.",
               "Curves of the indices over time at one gauge");
 }
 
@@ -253,11 +250,9 @@ Html effects_part(const Study& study, const ReportInput& input) {
   if (t.empty()) return {};
   return heading("Elementary effects") +
          plot("sensitivity-morris",
-              "Every disc is a gauge and a parameter. To the right: the parameter moves the number much (mean absolute change over its range). Upwards: how "
-              "much "
-              "depends on where in the bounds one stands (standard deviation of the change). Near the axis the effect is a straight line; about the dashed "
-              "line and "
-              "above it bends, or depends on the other parameters.",
+              "Every disc is a gauge and a parameter. Horizontal axis: mean absolute change of the number over the range of the parameter. Vertical axis: "
+              "standard deviation of the change between points of the bounds. Near the horizontal axis the effect is linear. Near the dashed line and above, "
+              "it is nonlinear or depends on the other parameters.",
               "Elementary effects, mean against standard deviation") +
          folded(fmt::format("All {} effects", t.rows.size()), t);
 }

@@ -60,7 +60,7 @@ Html target_section(const ReportInput& input) {
   const Html note =
       element("p", {{"class", "note"}, {"id", "target-note"}}, "Drag to turn, scroll to zoom. Arrows show the direction in which each sensor measures strain.");
   Html s = element("div", {{"class", "target"}}, view, note) + "\n";
-  if (input.outer.empty()) s += missing("The model gives no surface (an outside model has none), so only the sensors are drawn.");
+  if (input.outer.empty()) s += missing("The model gives no surface (an external model has none), so only the sensors are drawn.");
   return s + sensor_table(input).html();
 }
 

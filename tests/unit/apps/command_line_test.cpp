@@ -73,7 +73,7 @@ TEST(CommandLine, OverridesKeepBracketsCommasAndNegativeNumbers) {
   EXPECT_THAT(c.overrides, testing::ElementsAre("a=[1,2]", "sensor[1].gain=-2", "b=-1e-3"));
 }
 
-TEST(CommandLine, AnUnknownVerbIsAnsweredWithTheNearest) {
+TEST(CommandLine, AnUnknownVerbIsRefusedWithTheNearest) {
   EXPECT_THAT(refused({"campain", "case.toml"}), testing::AllOf(HasSubstr("campain"), HasSubstr("did you mean \"campaign\"?")));
 }
 

@@ -17,7 +17,7 @@ TEST(Notes, AreALineEachAndWarningsAreMarked) {
   EXPECT_EQ(out.str(), "one\ntwo\nthree\nwarning: four\n");
 }
 
-TEST(Notes, AreNotToldWhenQuiet) {
+TEST(Notes, AreNotPrintedWhenQuiet) {
   std::ostringstream out;
   const Notes notes(out, true);
   notes.say("one");

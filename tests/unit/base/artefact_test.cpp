@@ -18,9 +18,11 @@ TEST(Artefact, IdentityFollowsOptionsSeedAndInputs) {
   EXPECT_EQ(a.identity(), b.identity());
   b.options["runs"] = 4;
   EXPECT_NE(a.identity(), b.identity());
-  b = a, b.seed = 2;
+  b = a;
+  b.seed = 2;
   EXPECT_NE(a.identity(), b.identity());
-  b = a, b.inputs["case"] = "y";
+  b = a;
+  b.inputs["case"] = "y";
   EXPECT_NE(a.identity(), b.identity());
 }
 
@@ -41,7 +43,7 @@ TEST(Artefact, ReuseNamesTheChangedKey) {
 }
 
 // Older archives have solver.booking in every identity. They are still read; where the option decides what is written, it still counts.
-TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
+TEST(Artefact, TheOldNameOfTheEnergyBalanceIsNoOtherSetting) {
   const auto dir = scratch("older");
   for (const char* stage : {"campaign", "simulate"}) {
     Provenance before{.stage = stage, .options = {{"solver", {{"precision", "double"}, {"booking", true}}}}, .seed = 3, .inputs = {{"sensors", "x"}}};

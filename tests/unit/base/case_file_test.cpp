@@ -91,7 +91,7 @@ TEST(CaseFile, NamesTheNearestKey) {
   EXPECT_THAT(m, HasSubstr("did you mean \"peak_pressure\"?"));
 }
 
-TEST(CaseFile, SaysValueAndRange) {
+TEST(CaseFile, ReportsValueAndRange) {
   const auto m = message_of("[load]\npeak_pressure = -3\n");
   EXPECT_THAT(m, HasSubstr("case.toml:2:"));
   EXPECT_THAT(m, HasSubstr("-3"));
@@ -99,7 +99,7 @@ TEST(CaseFile, SaysValueAndRange) {
   EXPECT_THAT(m, HasSubstr("[Pa]"));
 }
 
-TEST(CaseFile, SaysWhatToWriteInPlaceOfAKeyThatIsGone) {
+TEST(CaseFile, NamesTheReplacementOfARemovedKey) {
   const auto m = message_of("[load]\npulses = 2\nsilent = true\n");
   EXPECT_THAT(m, HasSubstr("case.toml:3:"));
   EXPECT_THAT(m, HasSubstr("load.silent"));
@@ -146,7 +146,7 @@ TEST(CaseFile, SuggestsOnlyWhatIsNear) {
   }
 }
 
-TEST(CaseFile, SaysThatAnOverrideIsWrongAndNotTheLineThatItReplaces) {
+TEST(CaseFile, ReportsAWrongOverrideAndNotTheLineThatItReplaces) {
   const auto path = std::filesystem::temp_directory_path() / ("calomel_case_file_" + std::to_string(::getpid()) + ".toml");
   std::ofstream(path) << "[load]\npeak_pressure = 1e6\n";
   CaseFile file(path, std::vector<std::string>{"load.peak_pressure=high"});
@@ -175,7 +175,8 @@ TEST(CaseFile, AnOverrideFindsAnElementOfAListByItsName) {
   for (const char* override_text : {"load.B.pulses=5", "load[1].pulses=5"}) {
     CaseFile file = with(override_text);
     Named a, b;
-    file.read("load[0]", a), file.read("load[1]", b);
+    file.read("load[0]", a);
+    file.read("load[1]", b);
     EXPECT_EQ(a.pulses, 1);
     EXPECT_EQ(b.pulses, 5);
   }
@@ -190,7 +191,7 @@ TEST(CaseFile, AnOverrideFindsAnElementOfAListByItsName) {
 
 TEST(CaseFile, ShowsNumbersAsTheyAreWritten) { EXPECT_THAT(message_of("[load.profile]\nwidths = [0.1, 0.05, 1]\n"), HasSubstr("[0.1, 0.05, 1]")); }
 
-TEST(CaseFile, AsksForADecimalPoint) {
+TEST(CaseFile, RequestsADecimalPoint) {
   try {
     (void)CaseFile::from_text("[load]\npeak_pressure = 0,18\n");
     FAIL();

@@ -26,7 +26,9 @@ TEST(FrameFile, CutAtAnyByteKeepsEveryFrameThatIsWhole) {
   const auto path = scratch_file("frames");
   {
     FrameFile file(path, "calomel test 1", own, [](std::string_view, FrameFile::Place) { FAIL(); });
-    file.append("one"), file.append(std::string(5, '\0')), file.append("three");
+    file.append("one");
+    file.append(std::string(5, '\0'));
+    file.append("three");
   }
   const auto size = std::filesystem::file_size(path);
   const std::string whole = read_text(path);
@@ -90,7 +92,7 @@ TEST(FrameFile, ADamagedFrameAndWhatFollowsAreGivenUp) {
   }
 }
 
-TEST(FrameFile, ItsIdentityIsToldWithoutOpeningIt) {
+TEST(FrameFile, ItsIdentityIsReadWithoutOpeningIt) {
   const auto path = scratch_file("identity");
   EXPECT_EQ(FrameFile::identity(path, "calomel test 1"), "");
   const FrameFile held(path, "calomel test 1", own, [](std::string_view, FrameFile::Place) {});

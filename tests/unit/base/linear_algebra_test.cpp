@@ -44,7 +44,7 @@ TEST(Cholesky, SolvesAndMultipliesBackToTheMatrix) {
   EXPECT_NEAR(c.half_log_determinant(), 0.5 * symmetric_eigenvalues(a).array().log().sum(), 1e-12);
 }
 
-TEST(Cholesky, SaysThatAMatrixIsNotPositiveDefinite) {
+TEST(Cholesky, ReportsAMatrixThatIsNotPositiveDefinite) {
   Eigen::MatrixXd a = definite(4);
   a(2, 2) = -1;
   EXPECT_FALSE(Cholesky(a).positive_definite());

@@ -25,7 +25,8 @@ TEST(RandomStream, NormalHasUnitVariance) {
   const int n = 100000;
   for (int i = 0; i < n; ++i) {
     const double x = s.normal();
-    sum += x, squares += x * x;
+    sum += x;
+    squares += x * x;
   }
   EXPECT_NEAR(sum / n, 0, 0.0127);
   EXPECT_NEAR(squares / n, 1, 0.018);

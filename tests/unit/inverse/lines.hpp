@@ -44,13 +44,19 @@ class AnalyticModel : public ForwardModel {
 
 inline Parameter uniform_parameter(const std::string& name, double low, double high, double nominal) {
   Parameter p;
-  p.name = name, p.key = "material.mercury." + name, p.min = low, p.max = high, p.nominal = nominal;
+  p.name = name;
+  p.key = "material.mercury." + name;
+  p.min = low;
+  p.max = high;
+  p.nominal = nominal;
   return p;
 }
 
 inline Parameter normal_parameter(const std::string& name, double mean, double sd) {
   Parameter p = uniform_parameter(name, mean - 20 * sd, mean + 20 * sd, mean);
-  p.prior = "normal", p.mean = mean, p.sd = sd;
+  p.prior = "normal";
+  p.mean = mean;
+  p.sd = sd;
   return p;
 }
 
@@ -75,7 +81,10 @@ struct PulseRecipe {
 inline Recordings pulses_of(const ForwardModel& model, const std::vector<double>& theta, const PulseRecipe& recipe, std::uint64_t seed) {
   const auto& shape = model.shape();
   Recordings r;
-  r.conditions = shape.conditions, r.sensors = shape.sensors, r.time = shape.times, r.unit = shape.unit;
+  r.conditions = shape.conditions;
+  r.sensors = shape.sensors;
+  r.time = shape.times;
+  r.unit = shape.unit;
   r.sensor_lines.assign(shape.sensors.size(), 0);
   for (int p = 0; p < recipe.pulses; ++p) r.pulses.push_back(p);
   const auto truth = model.evaluate(theta).mean;

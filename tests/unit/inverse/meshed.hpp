@@ -25,12 +25,14 @@ class Meshed final : public ForwardModel {
 /// The archive of a campaign, without files.
 inline Archive archive_of(const ForwardModel& model, const std::string& design, std::size_t runs, std::uint64_t seed) {
   Archive a;
-  a.shape = model.shape(), a.design = design;
+  a.shape = model.shape();
+  a.design = design;
   a.theta = design_points(design, a.shape.parameters, runs, seed);
   a.mean.resize(Eigen::Index(a.shape.values()), Eigen::Index(runs));
   for (Eigen::Index i = 0; i < a.theta.cols(); ++i) {
     const auto p = model.evaluate({a.theta.col(i).data(), std::size_t(a.theta.rows())});
-    a.status.push_back(p.ok ? RunStatus::done : RunStatus::failed), a.message.push_back(p.message);
+    a.status.push_back(p.ok ? RunStatus::done : RunStatus::failed);
+    a.message.push_back(p.message);
     if (p.ok)
       a.mean.col(i) = Eigen::Map<const Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size())).cast<float>();
     else

@@ -38,7 +38,11 @@ class Oscillations : public ForwardModel {
  private:
   static Parameter parameter(const char* name, double low, double high, double nominal) {
     Parameter p;
-    p.name = name, p.key = std::string("material.mercury.") + name, p.min = low, p.max = high, p.nominal = nominal;
+    p.name = name;
+    p.key = std::string("material.mercury.") + name;
+    p.min = low;
+    p.max = high;
+    p.nominal = nominal;
     return p;
   }
   ModelShape shape_;
@@ -48,7 +52,9 @@ class Oscillations : public ForwardModel {
 inline Recordings recorded(const ForwardModel& model, const std::vector<double>& theta, int pulses, double noise, std::uint64_t seed) {
   const auto& shape = model.shape();
   Recordings r;
-  r.conditions = shape.conditions, r.sensors = shape.sensors, r.time = shape.times;
+  r.conditions = shape.conditions;
+  r.sensors = shape.sensors;
+  r.time = shape.times;
   r.sensor_lines.assign(shape.sensors.size(), 0);
   for (int p = 0; p < pulses; ++p) r.pulses.push_back(p);
   const auto truth = model.evaluate(theta).mean;

@@ -23,7 +23,7 @@ DataChecks checks_of(const Spoilt& spoilt) {
 std::vector<std::string> far_nuisances(const DataChecks& checks) {
   std::vector<std::string> all;
   for (const auto& n : checks.nuisances)
-    if (std::abs(n.pull) > far) all.push_back(n.term + (n.gauge.empty() ? "" : " of " + n.gauge));
+    if (std::abs(n.deviation) > far) all.push_back(n.term + (n.gauge.empty() ? "" : " of " + n.gauge));
   return all;
 }
 

@@ -56,7 +56,8 @@ TEST(DrawnNoiseDensity, IsTheMeanOfTheLikelihoodsWithItsExactGradient) {
   EXPECT_EQ(density.log_density_and_gradient({q.data(), 3}, gradient), density.log_density({q.data(), 3}));
   for (Eigen::Index k = 0; k < 3; ++k) {
     Eigen::VectorXd up = q, down = q;
-    up[k] += 1e-5, down[k] -= 1e-5;
+    up[k] += 1e-5;
+    down[k] -= 1e-5;
     const double difference = (density.log_density({up.data(), 3}) - density.log_density({down.data(), 3})) / 2e-5;
     EXPECT_NEAR(gradient[std::size_t(k)], difference, 1e-4 * (1 + std::abs(difference)));
   }
@@ -64,13 +65,13 @@ TEST(DrawnNoiseDensity, IsTheMeanOfTheLikelihoodsWithItsExactGradient) {
   for (const auto& d : drawn) EXPECT_GT(std::abs(d.posterior.log_density(q) - density.log_density({q.data(), 3})), 1e-3);
 }
 
-TEST(NoiseWidening, IsWhatOtherDrawsOfThePosteriorShow) {
+TEST(NoiseInflation, IsWhatOtherDrawsOfThePosteriorShow) {
   const Fitted f;
   const std::vector<DrawnNoise> wide{f.scaled(9)};
   const DrawnNoiseDensity density(wide);
   const SamplerResult of_wide = short_chains(wide[0].posterior, start_at_mode(wide[0].posterior, f.fit.modes[0]), 2),
                       of_estimate = short_chains(*f.fit.posterior, start_at_mode(*f.fit.posterior, f.fit.modes[0]), 3);
-  const NoiseWidening w = noise_widening(density, *f.fit.posterior, of_wide.coordinates, of_wide.quantities);
+  const NoiseInflation w = noise_inflation(density, *f.fit.posterior, of_wide.coordinates, of_wide.quantities);
   const auto a = assess(of_wide.quantities).parameters, b = assess(of_estimate.quantities).parameters;
   EXPECT_GT(w.plug_in_draws, 300);
   EXPECT_GT(a[1].sd / b[1].sd, 2);
@@ -83,19 +84,19 @@ TEST(NoiseWidening, IsWhatOtherDrawsOfThePosteriorShow) {
   EXPECT_NEAR(w.effective_draws, 1, 1e-9);
 }
 
-TEST(NoiseWidening, CountsDrawsByTheRecordsOrAlike) {
+TEST(NoiseInflation, CountsDrawsByTheRecordsOrAlike) {
   const Fitted f;
   const std::vector<DrawnNoise> same{f.scaled(1), f.scaled(1)}, unlike{f.scaled(1), f.scaled(25)};
-  const auto widening = [&](const std::vector<DrawnNoise>& drawn) {
+  const auto inflation = [&](const std::vector<DrawnNoise>& drawn) {
     const DrawnNoiseDensity density(drawn);
     const SamplerResult r = run_sampler(density, start_at_mode(*f.fit.posterior, f.fit.modes[0]), {.warmup = 2000, .draws = 4000},
                                         {.seed = 4, .journal = {}, .provenance = {}, .progress = {}});
-    return noise_widening(density, *f.fit.posterior, r.coordinates, r.quantities);
+    return noise_inflation(density, *f.fit.posterior, r.coordinates, r.quantities);
   };
-  const NoiseWidening none = widening(same), some = widening(unlike);
+  const NoiseInflation none = inflation(same), some = inflation(unlike);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(none.sd_ratio[k], 1, 1e-9);
   EXPECT_NEAR(none.effective_draws, 2, 1e-9);
-  // The records tell a noise five times too great from the right one; counted alike it widens all the same.
+  // The records reject a noise five times too great; with equal weights it inflates the posterior all the same.
   EXPECT_GT(some.weights[0], 0.99);
   EXPECT_NEAR(some.sd_ratio[0], 1, 0.02);
 }

@@ -128,7 +128,9 @@ TEST(PosteriorFile, DivergencesAreTruthsAndDrawsKeepTheirNumbers) {
   ASSERT_NE(python3, "") << no_xarray;
   auto r = some_draws();
   const std::size_t n = r.quantities.chains * r.quantities.draws;
-  r.energy.assign(n, 1.5), r.diverging.assign(n, 0), r.depth.assign(n, 3);
+  r.energy.assign(n, 1.5);
+  r.diverging.assign(n, 0);
+  r.depth.assign(n, 3);
   r.diverging[2] = 2;
   auto groups = posterior_groups(parameters, r);
   groups.push_back({.name = "posterior_predictive",

@@ -30,7 +30,9 @@ Moments by_grid(const LogPosterior& posterior, const LocalMode& mode) {
       std::vector<double> values(2);
       density.constrain(x, values);
       const double p = std::exp(density.log_density(x) - top);
-      mass += p, sum += p * values[0], squares += p * values[0] * values[0];
+      mass += p;
+      sum += p * values[0];
+      squares += p * values[0] * values[0];
     }
   }
   const double mean = sum / mass;

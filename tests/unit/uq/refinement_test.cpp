@@ -32,7 +32,8 @@ struct Steep {
   [[nodiscard]] PosteriorInputs inputs(const Experiment& experiment) {
     PosteriorInputs in = experiment.base();
     in.discrepancy = false;
-    in.emulator.rounds = 2, in.emulator.round_coarse = in.emulator.round_fine = 2;
+    in.emulator.rounds = 2;
+    in.emulator.round_coarse = in.emulator.round_fine = 2;
     in.emulator.check_coarse = in.emulator.check_fine = 8;
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> all;
@@ -52,23 +53,23 @@ double distance(const TrueModelCheck& check) {
 
 }  // namespace
 
-TEST(CheckAndRefine, LeavesAnEmulatorThatHolds) {
+TEST(CheckAndRefine, DoesNotChangeAValidEmulator) {
   const Experiment experiment(0, 0, 0, 1, 1);
   Steep plain{0, 1};
   const PosteriorInputs in = plain.inputs(experiment);
   const PosteriorFit first = fit_posterior(in);
   const int made = plain.made;
-  int told = 0;
-  const RefinedFit refined = check_and_refine(in, first, 3, [&](const TrueModelCheck&) { ++told; });
+  int calls = 0;
+  const RefinedFit refined = check_and_refine(in, first, 3, [&](const TrueModelCheck&) { ++calls; });
   EXPECT_TRUE(refined.check.holds) << refined.check.p_value;
   EXPECT_TRUE(refined.refinements.empty());
   EXPECT_EQ(refined.ended, RefinementEnd::holds);
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(calls, 1);
   EXPECT_EQ(plain.made - made, 16);  // those of the check, which are needed in any case
   EXPECT_EQ(refined.fit.modes[0].at.theta, first.modes[0].at.theta);
 }
 
-TEST(CheckAndRefine, TeachesTheEmulatorAnewUntilTheTrueModelLiesWhereItSays) {
+TEST(CheckAndRefine, TrainsTheEmulatorAgainUntilItAgreesWithTheTrueModel) {
   const Experiment experiment(0, 0, 0, 1, 1);
   Steep steep{8, 0.01};
   const PosteriorInputs in = steep.inputs(experiment);
@@ -83,12 +84,12 @@ TEST(CheckAndRefine, TeachesTheEmulatorAnewUntilTheTrueModelLiesWhereItSays) {
   EXPECT_EQ(refined.ended, RefinementEnd::holds);
   EXPECT_LT(distance(refined.check), 0.75 * distance(refined.refinements[0].check));  // of eight seeds four refine, to 0.4 to 0.6 of it
   EXPECT_GT(refined.fit.rounds.size(), first.rounds.size());
-  // No check stands where the emulator was taught: all its points are new.
+  // No check stands where the emulator was trained: all its points are new.
   for (const auto& checked : refined.check.runs)
-    for (const auto& taught : refined.fit.runs) EXPECT_FALSE(checked.theta == taught.theta && checked.level == taught.level);
+    for (const auto& trained : refined.fit.runs) EXPECT_FALSE(checked.theta == trained.theta && checked.level == trained.level);
 }
 
-TEST(CheckAndRefine, EndsWithItsBudgetAndSaysSo) {
+TEST(CheckAndRefine, EndsWithItsBudgetAndReportsIt) {
   const Experiment experiment(0, 0, 0, 1, 1);
   Steep steep{8, 0.003};
   const PosteriorInputs in = steep.inputs(experiment);

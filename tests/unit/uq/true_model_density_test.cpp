@@ -45,7 +45,7 @@ struct Fitted {
 
 }  // namespace
 
-TEST(TrueModelDensity, IsTheEmulatorsWhereARunIsWhatTheEmulatorSays) {
+TEST(TrueModelDensity, IsTheEmulatorsIfARunEqualsItsPrediction) {
   Fitted f;
   const LogPosterior& posterior = *f.fit.posterior;
   f.in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>&) {
@@ -68,13 +68,14 @@ TEST(TrueModelDensity, IsTheEmulatorsWhereARunIsWhatTheEmulatorSays) {
                             (cheap.log_density({q.data(), 3}) - posterior.density(at).log_posterior());
     EXPECT_NEAR(exact.log_density({q.data(), 3}), expected, 1e-3 * (1 + std::abs(expected)));  // records keep single precision
     std::vector<double> a(3), b(3);
-    exact.constrain({q.data(), 3}, a), cheap.constrain({q.data(), 3}, b);
+    exact.constrain({q.data(), 3}, a);
+    cheap.constrain({q.data(), 3}, b);
     EXPECT_EQ(a, b);
   }
 }
 
-// Where the true model is another than the emulator was taught, its parameters off by a deviation, the answer moves by that, and the emulator's stays.
-TEST(TrueModelDensity, DelayedAcceptanceGivesTheAnswerOfTheRuns) {
+// Where the true model is another than the emulator was trained, its parameters off by a deviation, the answer moves by that, and the emulator's remains.
+TEST(TrueModelDensity, DelayedAcceptanceSamplesTheTrueModel) {
   Fitted f;
   const PosteriorDensity cheap(*f.fit.posterior);
   const TrueModelDensity exact(f.in, f.fit);
@@ -88,11 +89,11 @@ TEST(TrueModelDensity, DelayedAcceptanceGivesTheAnswerOfTheRuns) {
     EXPECT_GT(r.summary.acceptance[0], 0.4);
     return assess(r.quantities).parameters[1];
   };
-  const ParameterSummary as_taught = by_runs(0), moved = by_runs(sd);
-  const double error = std::hypot(as_taught.mcse_mean, moved.mcse_mean);
+  const ParameterSummary as_trained = by_runs(0), moved = by_runs(sd);
+  const double error = std::hypot(as_trained.mcse_mean, moved.mcse_mean);
   EXPECT_LT(error, 0.15 * sd);
-  EXPECT_LT(std::abs(as_taught.mean - moved.mean - sd), 4 * error);
-  EXPECT_GT(std::abs(as_taught.mean - moved.mean), 4 * error);  // control: an answer that is the emulator's would not move
+  EXPECT_LT(std::abs(as_trained.mean - moved.mean - sd), 4 * error);
+  EXPECT_GT(std::abs(as_trained.mean - moved.mean), 4 * error);  // control: an answer that is the emulator's would not move
 }
 
 TEST(TrueModelDensity, IsZeroWhereARunFailsAndCountsIt) {

@@ -90,7 +90,7 @@ TEST(Make, CutOffAtAnyCaseGoesOnWithTheNext) {
     }
 }
 
-TEST(Make, AFailedCaseIsToldAndTheRestMade) {
+TEST(Make, AFailedCaseIsReportedAndTheOthersAreMade) {
   const auto dir = scratch("make_failed");
   FakeGenerator generator{.fails_at = 2, .leaves_half = true};
   const auto summary = make_suite(three, 1, dir, std::ref(generator));
@@ -112,7 +112,7 @@ TEST(Make, AnotherSuiteInTheSamePlaceIsRefused) {
   EXPECT_THAT(refused([&] { (void)make_suite(three, 1, dir, std::ref(generator)); }), HasSubstr("another calomel"));
 }
 
-TEST(Make, SaysHowToBuildTheGeneratorWhereItIsNotFound) {
+TEST(Make, NamesTheCommandThatBuildsAMissingGenerator) {
   const auto dir = scratch("generator");
   EXPECT_THAT(refused([&] { (void)find_generator("", dir / "bin" / "calomel"); }),
               testing::AllOf(HasSubstr("reference_generator"), HasSubstr("--target reference_generator"), HasSubstr("--generator PATH")));
@@ -129,7 +129,7 @@ TEST(Make, SaysHowToBuildTheGeneratorWhereItIsNotFound) {
   }
 }
 
-TEST(Child, GivesTheStatusAndKeepsWhatWasSaid) {
+TEST(Child, GivesTheStatusAndKeepsTheOutput) {
   const auto log = scratch_file("child.log");
   const std::vector<std::string> words{"-c", "echo out; echo err >&2; exit 7"};
   EXPECT_EQ(run_child("/bin/sh", words, log), 7);
@@ -197,7 +197,7 @@ TEST(Run, InterruptedItGoesOnWithTheCaseThatWasUnderWay) {
   EXPECT_EQ(run_suite(dir, diagnosed, false, [](const std::string&) {}).diagnosed, 2u);
 }
 
-TEST(Run, ADirectoryWithoutCasesIsAnsweredWithHowToMakeThem) {
+TEST(Run, ADirectoryWithoutCasesGivesTheCommandThatMakesThem) {
   EXPECT_THAT(refused([] { (void)cases_in(scratch_file("nowhere")); }), testing::AllOf(HasSubstr("nowhere"), HasSubstr("calomel challenge make")));
   EXPECT_THAT(refused([] { (void)cases_in(scratch("empty")); }), HasSubstr("calomel challenge make"));
 }
@@ -208,7 +208,7 @@ TEST(Rule, OneForASuite) {
   EXPECT_FALSE(record_rule(dir, rule, "build one", false));
   fs::create_directories(dir / "results" / "case_001");
   EXPECT_FALSE(record_rule(dir, rule, "build one", false));
-  EXPECT_TRUE(record_rule(dir, rule, "build two", false)) << "another build is told";
+  EXPECT_TRUE(record_rule(dir, rule, "build two", false)) << "another build is reported";
   EXPECT_FALSE(record_rule(dir, rule, "build one", false)) << "once";
   EXPECT_EQ(read_json(dir / "rule.json")["programs"].size(), 2u);
 

@@ -189,9 +189,9 @@ TEST(Coverage, CountsIntervalsWhereTheVerdictIsRight) {
   EXPECT_EQ(s.base_covered.count, 1u);
   EXPECT_EQ(s.base_covered.of, 2u);
   EXPECT_EQ(s.base_covered_all.of, 4u);
-  EXPECT_NEAR(s.base_pull, std::sqrt((1.9 * 1.9 + 4) / 2), 1e-9);
+  EXPECT_NEAR(s.base_deviation, std::sqrt((1.9 * 1.9 + 4) / 2), 1e-9);
   in.after["density"] = {nan_, 50};
-  EXPECT_EQ(score_of({judged(nothing(), in)}).base_covered.of, 0u) << "what is not told is not counted";
+  EXPECT_EQ(score_of({judged(nothing(), in)}).base_covered.of, 0u) << "only reported intervals are counted";
 }
 
 TEST(Coverage, OfAMechanismsNumbersInItsOwnUnits) {
@@ -242,9 +242,12 @@ TEST(Recovery, HoldsBaseParametersAndHeldOutGaugesBeforeAndAfter) {
   Finding better = named("interface"), worse = better;
   better.before = {{"density", {13400 * 1.03, 100}}, {"sound_speed", {1450 * 1.06, 10}}};
   better.after = {{"density", {13400 * 1.015, 100}}, {"sound_speed", {1450 * 1.03, 10}}};
-  better.heldout_before = 0.12, better.heldout_after = 0.06;
-  worse.before = better.after, worse.after = better.before;
-  worse.heldout_before = 0.06, worse.heldout_after = 0.06;
+  better.heldout_before = 0.12;
+  better.heldout_after = 0.06;
+  worse.before = better.after;
+  worse.after = better.before;
+  worse.heldout_before = 0.06;
+  worse.heldout_after = 0.06;
   const Score s = score_of({judged(t, better), judged(t, worse), judged(t, found(VerdictKind::unknown))});
   EXPECT_EQ(s.base_nearer.count, 1u);
   EXPECT_EQ(s.base_nearer.of, 2u) << "only where something is named";
@@ -258,7 +261,12 @@ TEST(Recovery, HoldsBaseParametersAndHeldOutGaugesBeforeAndAfter) {
 
 TEST(Score, EffortAndEveryNumberInTheJson) {
   Finding quick = found(VerdictKind::none), slow = quick, silent = quick;
-  quick.runs = 100, slow.runs = 300, silent.runs = 110, slow.wall = 600, silent.wall = nan_, silent.settled = false;
+  quick.runs = 100;
+  slow.runs = 300;
+  silent.runs = 110;
+  slow.wall = 600;
+  silent.wall = nan_;
+  silent.settled = false;
   const std::vector<JudgedCase> cases{judged(nothing(), quick), judged(nothing(), slow), judged(nothing(), silent)};
   const Score s = score_of(cases);
   EXPECT_EQ(s.runs_median, 110);
@@ -288,7 +296,10 @@ TEST(Score, IsTheSameOfTheCasesThatItLists) {
   Finding named_fault = named("sensor_response"), silent = found(VerdictKind::unknown);
   named_fault.ranking = {{.name = "sensor_response", .probability = 0.8, .numbers = {{"T2.sensor_response.gain", {1.11, 0.02}}}, .gauge = "T2"},
                          {.name = "none", .probability = 0.2}};
-  silent.wall = nan_, silent.heldout_before = nan_, silent.settled = false, silent.after["density"] = {nan_, 1};
+  silent.wall = nan_;
+  silent.heldout_before = nan_;
+  silent.settled = false;
+  silent.after["density"] = {nan_, 1};
   const std::vector<JudgedCase> cases{judged(fault, named_fault), judged(nothing(), silent), judged(outside(), found(VerdictKind::unknown)),
                                       judged(pair(), named("beam_profile"))};
   Json json = score_json(score_of(cases), cases);
@@ -377,7 +388,7 @@ TEST(Truth, IsReadAsTheGeneratorWritesIt) {
   EXPECT_THAT(t.numbers, testing::ElementsAre(testing::Pair("beam_profile.offset_z", 0.002), testing::Pair("sensor_response.gain", 1.1)));
 }
 
-TEST(Truth, WhatIsWrongIsToldWithItsPlace) {
+TEST(Truth, AMistakeIsReportedWithItsPlace) {
   const auto with = [](std::string text, const std::string& old, const std::string& now) { return text.replace(text.find(old), old.size(), now); };
   EXPECT_THAT(refused(text_file("t1.toml", with(truth_text, "\"pair\"", "\"both\"")), true),
               testing::AllOf(HasSubstr("t1.toml:3"), HasSubstr("none, single, pair, outside, sensor")));

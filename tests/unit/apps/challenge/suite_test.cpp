@@ -1,4 +1,4 @@
-// What is drawn for a suite: the same for the same seed, as many as asked for, within the ranges of docs/proof/generator.md, and readable by the generator.
+// What is drawn for a suite: the same for the same seed, as many as requested, within the ranges of docs/proof/generator.md, and readable by the generator.
 #include "apps/challenge/suite.hpp"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, CaseFile>> many_specs() {
   return all;
 }
 
-TEST(Suite, NamesAreKnownAndOthersAreAnsweredWithTheNearest) {
+TEST(Suite, UnknownNamesAreRefusedWithTheNearest) {
   EXPECT_NO_THROW(suites().get("small").validate());
   EXPECT_NO_THROW(suites().get("quick").validate());
   try {
@@ -77,7 +77,7 @@ TEST(Suite, QuickHasEachKindOnceOrTwice) {
                                           testing::Pair("gauge_fault", 1), testing::Pair("rear_layer", 1)));
 }
 
-TEST(Suite, OrderTellsNothingAndDependsOnTheSeed) {
+TEST(Suite, OrderIsRandomAndDependsOnTheSeed) {
   const auto& small = suites().get("small");
   const auto one = cases_of(small, 1);
   EXPECT_EQ(one, cases_of(small, 1));
@@ -96,7 +96,7 @@ TEST(Suite, EffectsAreKeptTo) {
 TEST(Suite, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({.single = 1, .effects = {"beem"}}), testing::AllOf(HasSubstr("beem"), HasSubstr("did you mean \"beam\"?")));
   EXPECT_THAT(refused({}), HasSubstr("no case"));
-  EXPECT_THAT(refused({.single = 1, .effects = {"slot"}}), HasSubstr("no case"));  // outside the library, of which none are asked for
+  EXPECT_THAT(refused({.single = 1, .effects = {"slot"}}), HasSubstr("no case"));  // outside the library, of which none are requested
   for (const double grid : {0.0, -1e-3, 0.3e-3, 1e-3, std::nan("")}) EXPECT_THAT(refused({.none = 1, .grid = grid}), HasSubstr("grid")) << grid;
   for (const double grid : {0.5e-3, 0.25e-3, 0.125e-3, 0.1e-3}) EXPECT_EQ(refused({.none = 1, .grid = grid}), "") << grid;
 }
@@ -140,7 +140,8 @@ TEST(Draw, NumbersLieInTheirRanges) {
       EXPECT_GE(x, r.low * (1 - 1e-7)) << r.key;
       EXPECT_LE(x, r.high * (1 + 1e-7)) << r.key;
       auto& [least, most] = seen.try_emplace(r.key, x, x).first->second;
-      least = std::min(least, x), most = std::max(most, x);
+      least = std::min(least, x);
+      most = std::max(most, x);
     }
     for (const char* key : {"geometry.length", "geometry.height", "geometry.front", "geometry.top", "geometry.bottom"}) {
       const double cells = spec.number(key).value() / 0.5e-3;
@@ -156,7 +157,7 @@ TEST(Draw, NumbersLieInTheirRanges) {
       EXPECT_GE(spec.number("strength.greatest_scale").value(), 1);
     }
   }
-  // What is drawn fills its range: of 304 uniform numbers one tenth at either end stays empty with a chance of 1e-14.
+  // What is drawn fills its range: of 304 uniform numbers one tenth at either end remains empty with a chance of 1e-14.
   for (const auto& r : ranges) {
     if (std::string(r.key) == "pulses.energy") continue;  // normal
     EXPECT_LT(seen.at(r.key).first, r.low + 0.2 * (r.high - r.low)) << r.key;
@@ -164,7 +165,7 @@ TEST(Draw, NumbersLieInTheirRanges) {
   }
 }
 
-TEST(Draw, EffectsStayOnTheirWallsAndOffTheGauges) {
+TEST(Draw, EffectsAreOnTheirWallsAndAwayFromTheGauges) {
   std::set<std::string> faults;
   for (const auto& [effects, spec] : many_specs())
     for (std::size_t k = 0; k < spec.count("effect"); ++k) {

@@ -53,7 +53,7 @@ TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
   EXPECT_EQ(of("spe", {"spe.mesh_correction=false"}).identity(), bare);
 }
 
-// What a diagnosis of a model outside offers is no part of its runs, but of its verdict.
+// What a diagnosis of an external model offers is no part of its runs, but of its verdict.
 TEST(ProvenancesOfModelsOutside, ADiagnosisHangsOnWhatItOffers) {
   const auto dir = folder_with(
       "provenances_outside",

@@ -27,20 +27,20 @@ const std::vector<std::string> files{"train.json", "surrogate.nc"};
 
 }  // namespace
 
-TEST(FinishedStages, AreReusedWhenTheyMatchAndAllFilesStand) {
+TEST(FinishedStages, AreReusedWhenTheyMatchAndAllFilesExist) {
   const auto dir = finished("finished", 10);
   FinishedStages stages(dir, false);
-  EXPECT_FALSE(stages.due(provenance(10), files, Asked::by_user));
+  EXPECT_FALSE(stages.due(provenance(10), files, Requested::by_user));
   fs::remove(dir / "surrogate.nc");
-  EXPECT_TRUE(stages.due(provenance(10), files, Asked::by_user));
-  EXPECT_TRUE(FinishedStages(scratch("none"), false).due(provenance(10), files, Asked::upstream));
+  EXPECT_TRUE(stages.due(provenance(10), files, Requested::by_user));
+  EXPECT_TRUE(FinishedStages(scratch("none"), false).due(provenance(10), files, Requested::upstream));
 }
 
 TEST(FinishedStages, OfOtherSettingsAreRefusedWithTheKeyAndLeftAsTheyAre) {
   const auto dir = finished("other", 10);
   FinishedStages stages(dir, false);
   try {
-    (void)stages.due(provenance(20), files, Asked::upstream);
+    (void)stages.due(provenance(20), files, Requested::upstream);
     FAIL() << "it should have been refused";
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("surrogate.epochs"));
@@ -48,13 +48,13 @@ TEST(FinishedStages, OfOtherSettingsAreRefusedWithTheKeyAndLeftAsTheyAre) {
   EXPECT_EQ(read_text(dir / "surrogate.nc"), "learnt");
 }
 
-TEST(FinishedStages, FreshSetsAsideWhatTheUserAskedForAndUpstreamOnlyWhatDoesNotMatch) {
+TEST(FinishedStages, FreshSetsAsideTheRequestedStageAndUpstreamOnlyThoseThatDoNotMatch) {
   const auto dir = finished("fresh", 10);
-  EXPECT_FALSE(FinishedStages(dir, true).due(provenance(10), files, Asked::upstream));
-  EXPECT_TRUE(FinishedStages(dir, true).due(provenance(10), files, Asked::by_user));
+  EXPECT_FALSE(FinishedStages(dir, true).due(provenance(10), files, Requested::upstream));
+  EXPECT_TRUE(FinishedStages(dir, true).due(provenance(10), files, Requested::by_user));
   EXPECT_EQ(read_text(dir / "surrogate.nc.old-1"), "learnt");
   const auto other = finished("fresh_upstream", 10);
-  EXPECT_TRUE(FinishedStages(other, true).due(provenance(20), files, Asked::upstream));
+  EXPECT_TRUE(FinishedStages(other, true).due(provenance(20), files, Requested::upstream));
   EXPECT_TRUE(fs::exists(other / "train.json.old-1"));
 }
 
@@ -62,9 +62,9 @@ TEST(FinishedStages, FreshSetsAsideWhatTheUserAskedForAndUpstreamOnlyWhatDoesNot
 TEST(FinishedStages, FreshSetsAsideWhatWasLeftUnfinished) {
   const auto dir = scratch("unfinished");
   write_atomically(dir / "train.journal", "half");
-  EXPECT_TRUE(FinishedStages(dir, false).due(provenance(10), files, Asked::by_user, "train.journal"));
+  EXPECT_TRUE(FinishedStages(dir, false).due(provenance(10), files, Requested::by_user, "train.journal"));
   EXPECT_EQ(read_text(dir / "train.journal"), "half");
-  EXPECT_TRUE(FinishedStages(dir, true).due(provenance(10), files, Asked::by_user, "train.journal"));
+  EXPECT_TRUE(FinishedStages(dir, true).due(provenance(10), files, Requested::by_user, "train.journal"));
   EXPECT_FALSE(fs::exists(dir / "train.journal"));
   EXPECT_EQ(read_text(dir / "train.journal.old-1"), "half");
 }
@@ -72,9 +72,9 @@ TEST(FinishedStages, FreshSetsAsideWhatWasLeftUnfinished) {
 TEST(FinishedStages, FreshSetsNothingAsideThatTheSameCallMade) {
   const auto dir = finished("made", 10);
   FinishedStages stages(dir, true);
-  EXPECT_TRUE(stages.due(provenance(10), files, Asked::by_user));
+  EXPECT_TRUE(stages.due(provenance(10), files, Requested::by_user));
   write_json(dir / "train.json", {{"provenance", provenance(10).json()}});
   write_atomically(dir / "surrogate.nc", "learnt anew");
-  EXPECT_FALSE(stages.due(provenance(10), files, Asked::by_user));
+  EXPECT_FALSE(stages.due(provenance(10), files, Requested::by_user));
   EXPECT_EQ(read_text(dir / "surrogate.nc"), "learnt anew");
 }

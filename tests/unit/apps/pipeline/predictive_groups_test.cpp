@@ -11,7 +11,7 @@ namespace calomel {
 namespace {
 
 /// Errors on the coarse grid stand on the record's own times: linear between the grid's, constant beyond, nothing where nothing is recorded.
-TEST(PredictiveGroups, ErrorsStandOnTheRecordsTimes) {
+TEST(PredictiveGroups, ErrorsAreOnTheRecordsTimes) {
   const AnalyticModel model(
       {uniform_parameter("a", 0, 2, 1)},
       {[](auto theta, double t) { return theta[0] * std::sin(6e4 * t); }, [](auto theta, double t) { return theta[0] * std::cos(6e4 * t); }}, 300, 1e-6);

@@ -20,12 +20,11 @@ ModelShape two_parameters() {
 
 TEST(CalibrationLines, AProductHasItsMeaning) {
   EXPECT_EQ(meaning_sentence("tuned"),
-            "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up whatever "
-            "the model leaves out, and the published objective mixes percent with strain.");
-  EXPECT_EQ(
-      meaning_sentence("physical"),
-      "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
-      "picture of it.");
+            "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They compensate for "
+            "whatever the model omits, and the published objective mixes percent with strain.");
+  EXPECT_EQ(meaning_sentence("physical"),
+            "physical: handbook priors, and a discrepancy that represents omitted physics; a material property only as far as that discrepancy is a fair "
+            "picture of it.");
 }
 
 TEST(CalibrationLines, ACorrectionHasItsRunsItsSizeAndItsEffect) {
@@ -34,15 +33,16 @@ TEST(CalibrationLines, ACorrectionHasItsRunsItsSizeAndItsEffect) {
   enc.theta = {13200, 0.5};
   enc.mesh = {.used = true, .runs = 90, .difference = 0.112, .without = {13000, 0}, .calibrated = {1, 2}};
   EXPECT_EQ(correction_sentence(enc, two_parameters()),
-            "predictions are corrected for the mesh by 90 runs of the emulator; at the answer that is 11 % of the histories; against the answer without it: "
+            "predictions are corrected for the mesh by 90 runs of the emulator; at the calibrated point the correction is 11 % of the histories; difference "
+            "from the calibration without it: "
             "density +1.5 %, offset +0.5");
   enc.mesh.calibrated.clear();
   enc.mesh.without.clear();
   enc.at_nominal.inside_emulator = false;
-  EXPECT_EQ(
-      correction_sentence(enc, two_parameters()),
-      "predictions are corrected for the mesh by 90 runs of the emulator; the nominal point lies outside the emulator's box, so that its scores are surer "
-      "on the case's own mesh (working_mesh)");
+  EXPECT_EQ(correction_sentence(enc, two_parameters()),
+            "predictions are corrected for the mesh by 90 runs of the emulator; the nominal point lies outside the emulator's box, so that its scores are more "
+            "reliable "
+            "on the case's own mesh (working_mesh)");
 }
 
 TEST(CalibrationLines, AnAnswerHasAMessageAndMayHaveNoWarning) {
@@ -91,9 +91,10 @@ TEST(CalibrationLines, AnAnswerOnABoundOrBeyondTheCorrectionIsAWarning) {
   EXPECT_THAT(
       calibration_warnings(c, two_parameters()),
       ElementsAre(calibration_message(c), "the true model failed at the nominal parameters: an element collapsed",
-                  "density = 12000 sits on its lower bound: the data would have it outside, or do not determine it",
-                  "offset = 0.9999 sits on its upper bound: the data would have it outside, or do not determine it", "the viscosity is not corrected",
-                  "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest "
+                  "density = 12000 lies on its lower bound: its best value is beyond the bound, or the data do not determine it",
+                  "offset = 0.9999 lies on its upper bound: its best value is beyond the bound, or the data do not determine it",
+                  "the viscosity is not corrected",
+                  "the answer lies outside the box about the posterior in which the emulator knows the mesh error: its correction is that of the box's nearest "
                   "point. See where `calomel sample` finds the parameters, and whether they are bounded too widely"));
   c.at_nominal.objective_model = 0.5;
   EXPECT_EQ(calibration_message(c), "the true model failed at every candidate: the step collapsed; the nominal parameters are kept");
@@ -123,7 +124,7 @@ TEST(CalibrationLines, OptimisersAndObjectivesAgreeOrNot) {
       {.objective = "paper_enc", .theta = {13000, 0}, .agrees = true}, {.objective = "rrmse", .theta = {13200, 0.5}}, {.objective = "paper_spe", .theta = {}}};
   EXPECT_EQ(agreement_sentence(a, shape),
             "The optimisers disagree: es ends 0.12 of the bounds away, 4.56 worse. The objectives disagree: rrmse moves density +1.5 %, offset +0.5; paper_spe "
-            "has no value anywhere. The answer depends on the formulation of the misfit.");
+            "has no value anywhere. The result depends on the formulation of the misfit.");
   a.optimizers_agree = true;
   a.objectives_agree = true;
   EXPECT_EQ(agreement_sentence(a, shape),
@@ -139,7 +140,7 @@ TEST(CalibrationLines, EverySentenceHasALine) {
   EXPECT_THAT(spe_lines({.meaning = "tuned", .mesh = "the mesh takes 9 %"}), ElementsAre("spe: the mesh takes 9 %"));
 }
 
-TEST(CalibrationLines, MapReportsWhatIsIdentifiedOnlyWhereThereIsAnAnswer) {
+TEST(CalibrationLines, MapReportsWhatIsIdentifiedOnlyIfThereIsAResult) {
   MapSummary map;
   const MapWords words{.check = "the emulator holds", .nested = "", .identified = "the data pin the impedance", .score_tests = "nothing stands out"};
   map.status = CalibrationStatus::done;
@@ -148,7 +149,7 @@ TEST(CalibrationLines, MapReportsWhatIsIdentifiedOnlyWhereThereIsAnAnswer) {
   EXPECT_THAT(map_lines(map, words), ElementsAre("map: the emulator holds", "map: nothing stands out"));
 }
 
-TEST(CalibrationLines, ACorrectionThatIsMissingOrPartialSaysWhy) {
+TEST(CalibrationLines, AMissingOrPartialCorrectionHasAReason) {
   EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::one_size),
               testing::AllOf(HasSubstr("spe: predictions are not corrected for the mesh"), HasSubstr("emulator.element_sizes")));
   EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::from_file), testing::AllOf(HasSubstr("comes from a file"), Not(HasSubstr("emulator.element_sizes"))));

@@ -75,13 +75,13 @@ TEST(CaseLines, ATargetIsDescribedByItsFacts) {
   EXPECT_THAT(more, Not(Contains(StartsWith("mechanisms: "))));
 }
 
-TEST(CaseLines, ANominalValueLeftOutIsToldAtItsPlaceWithTheKeyToSet) {
+TEST(CaseLines, AnUnusedNominalValueIsReportedAtItsPlaceWithTheKeyToSet) {
   const std::string density = "[parameter.density]\nmin = 13000\nmax = 13600\n";
   EXPECT_THAT(nominals_left_out(study(density)), IsEmpty());
   EXPECT_THAT(nominals_left_out(study(density + "nominal = 13500.0\n")), IsEmpty());  // what the table says
-  const auto told = nominals_left_out(study(density + "nominal = 13100\n"));
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0].parts().key, "parameter.density.nominal");
-  EXPECT_THAT(told[0].what(), HasSubstr("set material.mercury.density itself, which is 13500: --set material.mercury.density=13100"));
-  EXPECT_GT(told[0].parts().line, 30);
+  const auto warnings = nominals_left_out(study(density + "nominal = 13100\n"));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].parts().key, "parameter.density.nominal");
+  EXPECT_THAT(warnings[0].what(), HasSubstr("set material.mercury.density itself, which is 13500: --set material.mercury.density=13100"));
+  EXPECT_GT(warnings[0].parts().line, 30);
 }

@@ -56,25 +56,27 @@ TEST(DataCheckWords, AProblemWarnsOfDeadGaugesAndOfNarrowBands) {
   EXPECT_THAT(problem_warnings(problem), ElementsAre("no sample has a band of 1 % of its gauge's peak or more: accuracy is not defined and counts as 0"));
 }
 
-TEST(DataCheckWords, ANumberThatTheRecordsPullFarIsNamedWithItsKey) {
+TEST(DataCheckWords, AParameterFarFromItsPriorIsNamedWithItsKey) {
   ErrorOptions options;
   options.gain_sd = 0.01;
-  const std::vector<Pull> pulls{{.term = "gain", .gauge = "T2", .pull = 12.9, .sd = 0.5}, {.term = "baseline", .gauge = "T3", .pull = -2.9}};
+  const std::vector<PriorDeviation> deviations{{.term = "gain", .gauge = "T2", .deviation = 12.9, .sd = 0.5},
+                                               {.term = "baseline", .gauge = "T3", .deviation = -2.9}};
   const char* gain =
-      "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %: it is not what was said of it, or takes up something that "
-      "the model leaves out";
-  EXPECT_THAT(far_pull_sentences(pulls, options), ElementsAre(gain));
-  const std::vector<Pull> many{pulls[0],
-                               {.term = "baseline", .gauge = "T3", .pull = -4.2},
-                               {.term = "other", .gauge = "", .pull = 4.1},
-                               {.term = "trigger", .gauge = "", .pull = 4},
-                               {.term = "trigger", .gauge = "", .pull = 3.5}};
-  EXPECT_THAT(far_pull_sentences(many, options),
-              ElementsAre(gain,
-                          "the records pull the zero of T3 by -4.2 of its standard deviations (errors.baseline): it is not what was said of it, or takes up "
-                          "something that the model leaves out",
-                          "the records pull other by +4.1 of its standard deviations: it is not what was said of it, or takes up something that the model "
-                          "leaves out; so with 2 further numbers (mode.pulls)"));
+      "the records shift the gain of T2 by +12.9 of its prior standard deviations (errors.gain_sd), +13 %: its prior is wrong, or it compensates for an "
+      "effect that the model omits";
+  EXPECT_THAT(far_deviation_sentences(deviations, options), ElementsAre(gain));
+  const std::vector<PriorDeviation> many{deviations[0],
+                                         {.term = "baseline", .gauge = "T3", .deviation = -4.2},
+                                         {.term = "other", .gauge = "", .deviation = 4.1},
+                                         {.term = "trigger", .gauge = "", .deviation = 4},
+                                         {.term = "trigger", .gauge = "", .deviation = 3.5}};
+  EXPECT_THAT(
+      far_deviation_sentences(many, options),
+      ElementsAre(gain,
+                  "the records shift the zero of T3 by -4.2 of its prior standard deviations (errors.baseline): its prior is wrong, or it compensates "
+                  "for an effect that the model omits",
+                  "the records shift other by +4.1 of its prior standard deviations: its prior is wrong, or it compensates for an effect that the model "
+                  "omits; 2 further nuisance parameters also deviate by more than three (mode.pulls)"));
   EXPECT_EQ(nuisance_name("energy scale", ""), "the energy of all pulses");
 }
 
@@ -84,10 +86,10 @@ TEST(DataCheckWords, EveryFindingHasASentence) {
   const DataChecks checks{.dead = {"S09"},
                           .mislabelled = {{.gauge = "T2", .other = "", .own = -0.98, .like = 0.98}},
                           .clock = ClockOffset{.delay = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6},
-                          .nuisances = {{.term = "gain", .gauge = "S1", .pull = 5, .sd = 0.5}}};
+                          .nuisances = {{.term = "gain", .gauge = "S1", .deviation = 5, .sd = 0.5}}};
   EXPECT_THAT(data_check_sentences(checks, options), ElementsAre(dead_gauges_sentence(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
                                                                  clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.",
-                                                                 far_pull_sentences(checks.nuisances, options)[0]));
+                                                                 far_deviation_sentences(checks.nuisances, options)[0]));
 }
 
 }  // namespace

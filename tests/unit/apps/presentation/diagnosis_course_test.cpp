@@ -21,7 +21,7 @@ TEST(DiagnosisCourse, EveryEventHasALine) {
   EXPECT_EQ(event_text(FitBegins{"echo", 123}), "fit of echo (123 runs so far)");
   EXPECT_EQ(event_text(ExplanationFitted{.name = "echo", .log_bayes_factor = 106, .chi2 = 70, .values = 100, .base_chi2 = 400, .runs = 40}),
             "echo: log Bayes factor 106, chi-squared 70 for 100 values (400 without it), 40 runs");
-  EXPECT_EQ(event_text(TermScreeningBegins{}), "screening of the terms that describe what is missing");
+  EXPECT_EQ(event_text(TermScreeningBegins{}), "screening of the terms that describe the missing effect");
   EXPECT_EQ(event_text(MislabelledChannel{.gauge = "T2", .own = -0.98, .like = 0.98}),
             "The record of gauge T2 has the opposite sign of its simulation (correlation -0.98). Check its wiring and its direction in the case.");
   EXPECT_EQ(
@@ -46,7 +46,7 @@ TEST(DiagnosisCourse, AFitEndsInOneOfSeveralWays) {
   EXPECT_EQ(text({.kind = Kind::stable, .coarse = 30, .fine = 20}), "evidence and numbers were stable from 30 coarse and 20 fine runs on");
   EXPECT_EQ(text({.kind = Kind::emulator, .settling = {.settled = true, .coarse = 30, .fine = 20}}), "settled after 30 coarse and 20 fine runs");
   EXPECT_EQ(text({.kind = Kind::run_limit, .run_limit = 761}), "diagnosis.max_runs = 761 ended its fit before it was done");
-  EXPECT_EQ(text({.kind = Kind::failed, .message = "no run came through"}), "no run came through");
+  EXPECT_EQ(text({.kind = Kind::failed, .message = "no run succeeded"}), "no run succeeded");
 }
 
 TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
@@ -62,13 +62,13 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                {.kind = Kind::fit_ended, .name = "hum", .message = "no run of the model came through", .limit = 761},
                {.kind = Kind::missing_terms, .runs = 135, .limit = 100}};
   EXPECT_THAT(skipped_texts(d),
-              ElementsAre("the screening of mechanisms and all later steps: channels look mixed up", "interface (top): an element collapsed",
+              ElementsAre("the screening of mechanisms and all later steps: channels appear to be mixed up", "interface (top): an element collapsed",
                           "interface (rear): none of its numbers changes the records by itself",
                           "previous_pulses: its effect was not linearised again, which takes 66 runs; 1950 of diagnosis.max_runs = 2000 are made",
                           "interface: its fit was not begun, which takes 40 runs at first; 1990 of diagnosis.max_runs = 2000 are made",
                           "lag: diagnosis.max_runs = 761 ended a search for its fit; the best fit that was found is reported",
-                          "tone: diagnosis.max_runs = 761 ended its fit before it was done", "hum: no run of the model came through",
-                          "the terms that describe what is missing: they take 135 runs, and diagnosis.term_runs is 100"));
+                          "tone: diagnosis.max_runs = 761 ended its fit before it was done", "hum: no run of the model succeeded",
+                          "the terms that describe the missing effect: they take 135 runs, and diagnosis.term_runs is 100"));
   d.skipped.clear();
   d.missing = MissingTerms{.screened = 1,
                            .offered = 4,
@@ -77,9 +77,9 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                                             {.label = "mass (rear)", .failure = "an element collapsed"}},
                            .run_failure = "the step is too small"};
   EXPECT_THAT(skipped_texts(d),
-              ElementsAre("the terms that describe what is missing: 2 of 4 were not screened: an element collapsed",
-                          "the terms that describe what is missing: 1 of 4 were not screened: none of its numbers changes the records by itself",
-                          "the terms that describe what is missing: the run with them failed: the step is too small"));
+              ElementsAre("the terms that describe the missing effect: 2 of 4 were not screened: an element collapsed",
+                          "the terms that describe the missing effect: 1 of 4 were not screened: none of its numbers changes the records by itself",
+                          "the terms that describe the missing effect: the run with them failed: the step is too small"));
   EXPECT_THAT(
       not_screened_texts(d.missing->not_screened),
       ElementsAre("mass (top): an element collapsed", "drag (top): none of its numbers changes the records by itself", "mass (rear): an element collapsed"));

@@ -24,7 +24,7 @@ TEST(DiagnosisNumbers, HaveUnitsThatAPersonWouldUse) {
   EXPECT_EQ(value("Pa", 0, 1.234e5, 2e4), "0.123 ± 0.020 MPa | 0 MPa");
   EXPECT_EQ(value("Pa s", 0, 812, 95), "812 ± 95 Pa s | 0 Pa s");
   EXPECT_EQ(value("", 0, 3.2e-7, 1.1e-8), "3.20e-07 ± 1.1e-08 | 0");
-  EXPECT_EQ(value("", 0, 1.0029878, 3.64e-5), "1.002988e+00 ± 3.6e-05 | 0");  // as many digits as tell it from 1
+  EXPECT_EQ(value("", 0, 1.0029878, 3.64e-5), "1.002988e+00 ± 3.6e-05 | 0");  // enough digits to distinguish it from 1
   EXPECT_EQ(value("", 1, 0.94, 0), "0.94 | 1");
   EXPECT_EQ(value("Hz", 0, 1 / 50e3, 1 / 500e3, true), "50.0 ± 5.0 kHz | none");
   EXPECT_EQ(value("Hz", 0, 1e-6, 2e-6, true), "above 200 kHz | none");  // 1 / (1e-6 + 4e-6)

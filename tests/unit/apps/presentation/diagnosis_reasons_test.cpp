@@ -25,7 +25,7 @@ TEST(VerdictReason, OfNoNameIsTheBaseModelOrTooLittleEvidence) {
       "log Bayes factor of 6.5, below 7");
   Diagnosis mislabelled = judged({});
   mislabelled.base.mislabelled = {{.gauge = "T2"}};
-  EXPECT_EQ(verdict_reason_text(mislabelled), "channels look mixed up, and no mechanism was screened");
+  EXPECT_EQ(verdict_reason_text(mislabelled), "channels appear to be mixed up, and no mechanism was screened");
 }
 
 TEST(VerdictReason, OfUnknownIsTheGateThatTheNearestExplanationFails) {
@@ -96,10 +96,10 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   unfitted.first_order_log_bayes_factor = 6;
   unfitted.status.kind = FitStatus::Kind::first_order;
   failed.explanation.fitted = false;
-  failed.status = {.kind = FitStatus::Kind::failed, .message = "no run came through"};
+  failed.status = {.kind = FitStatus::Kind::failed, .message = "no run succeeded"};
   unsupported.explanation.fitted = false;
   const Diagnosis d =
-      judged({beam(), wall(Gates{}.log_bayes_factor / 1.44), called("none_of_it", wall(0)), unfitted, failed, unsupported, called("rival", wall(60))});
+      judged({beam(), wall(Gates{}.log_bayes_factor / 1.44), called("none_of_it", wall(0)), unfitted, failed, unsupported, called("other", wall(60))});
   ASSERT_EQ(d.verdict.kind, VerdictKind::named);
   for (const auto& r : d.verdict.ranking) {
     const Why w = why_of(d, r.name);
@@ -107,7 +107,7 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
     EXPECT_FALSE(w.would_change.empty()) << r.name;
   }
   EXPECT_EQ(why_of(d, "beam_profile").why,
-            "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. The evidence of the next explanation, rival, is 49 lower.");
+            "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. The evidence of the next explanation, other, is 49 lower.");
   EXPECT_EQ(why_of(d, "beam_profile").would_change, "Another explanation whose evidence comes within 5 of it, or a record that it does not explain.");
   EXPECT_EQ(why_of(d, "wall_thinning").why, "The records support it too weakly: its log Bayes factor is 4.86, and a name needs 7.");
   EXPECT_EQ(why_of(d, "wall_thinning").would_change, "An effect about 1.2 times as large, or errors smaller by that factor.");  // the root of 1.44
@@ -116,11 +116,11 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   EXPECT_EQ(why_of(d, "unfitted").why,
             "It was estimated to first order only (log Bayes factor 6), because other explanations had more evidence and were fitted.");
   EXPECT_EQ(why_of(d, "unfitted").would_change, "A fit of its own: raise diagnosis.leaders.");
-  EXPECT_EQ(why_of(d, "failed").why, "Its fit failed: no run came through.");
+  EXPECT_EQ(why_of(d, "failed").why, "Its fit failed: no run succeeded.");
   EXPECT_EQ(why_of(d, "failed").would_change, "A fit that succeeds.");
   EXPECT_EQ(why_of(d, "unsupported").why, "Nothing in these records supports it.");
-  EXPECT_EQ(why_of(d, "rival").why, "The proton beam's profile explains the records better (evidence 108 against 59).");
-  EXPECT_EQ(why_of(d, "rival").would_change, "Records that support it and not the proton beam's profile.");
+  EXPECT_EQ(why_of(d, "other").why, "The proton beam's profile explains the records better (evidence 108 against 59).");
+  EXPECT_EQ(why_of(d, "other").would_change, "Records that support it and not the proton beam's profile.");
   EXPECT_EQ(why_of(judged({beam()}), "beam_profile").why,
             "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. Nothing else was tried.");
 }
@@ -133,7 +133,7 @@ TEST(Why, TheBaseModelMayOrMayNotExplainTheRecords) {
   EXPECT_EQ(why_of(none, "none").why,
             "The base model differs from the records by no more than their known errors (chi-squared 66 for 100 values, where up to 135.8 is plausible).");
   EXPECT_EQ(why_of(none, "none").would_change, "More pulses or better known gauges: smaller errors show smaller effects.");
-  EXPECT_EQ(why_of(named, "unknown").why, "It stands for any cause that was not tried.");
+  EXPECT_EQ(why_of(named, "unknown").why, "It represents any cause that was not tried.");
   EXPECT_EQ(why_of(named, "unknown").would_change, "A base model that does not explain the records, while no explanation passes the tests.");
   EXPECT_EQ(why_of(unknown, "unknown").why, "The base model does not explain the records, and no explanation that was tried passes every test.");
   EXPECT_EQ(why_of(unknown, "unknown").would_change, "An effect that passes all tests: offer more mechanisms, or add one.");
@@ -157,7 +157,7 @@ TEST(Why, TheDiscretisationIsNoPhysics) {
   EXPECT_EQ(why_of(d, "beam_profile").why, "A number of the simulation's discretisation explains the records nearly as well.");
 }
 
-TEST(Why, AnExplanationMayLeaveTooMuch) {
+TEST(Why, AnExplanationMayLeaveTooLargeARemainder) {
   Alternative a = beam();
   a.explanation.chi2 = 300;
   EXPECT_EQ(why_not(a).why, "It accounts for only 30 % of the mismatch. A name that leaves more than chance does has to account for 94 %.");

@@ -149,7 +149,7 @@ PlainSummary unknown(const Alternative& a) {
   return summary_of(d);
 }
 
-TEST(DiagnosisWords, UnknownSaysWhichGateTheNearestExplanationFails) {
+TEST(DiagnosisWords, UnknownNamesTheGateThatTheNearestExplanationFails) {
   Alternative a = beam();
   a.explanation.log_bayes_factor = 0.8 * Gates{}.log_bayes_factor;
   EXPECT_EQ(unknown(a).finding,
@@ -198,12 +198,12 @@ TEST(DiagnosisWords, UnknownMayBeTheDiscretisation) {
       "The simulation and the records differ (misfit 11 %), but the simulation's own discretisation explains the difference better than any physics that was "
       "tried.");
   EXPECT_EQ(unknown(numerics()).next_step, finer);
-  const Diagnosis rival = judged({beam(), numerics(0.9 * Gates{}.lead)});
-  EXPECT_EQ(rival.verdict.kind, VerdictKind::unknown);
-  EXPECT_EQ(summary_of(rival).finding,
+  const Diagnosis competing = judged({beam(), numerics(0.9 * Gates{}.lead)});
+  EXPECT_EQ(competing.verdict.kind, VerdictKind::unknown);
+  EXPECT_EQ(summary_of(competing).finding,
             "The simulation and the records differ (misfit 11 %). An effect, the proton beam's profile, would explain the difference, but the simulation's own "
             "discretisation explains it nearly as well.");
-  EXPECT_EQ(summary_of(rival).next_step, finer);
+  EXPECT_EQ(summary_of(competing).next_step, finer);
 }
 
 TEST(DiagnosisWords, UnknownMayHaveNoExplanationAtAll) {
@@ -214,7 +214,7 @@ TEST(DiagnosisWords, UnknownMayHaveNoExplanationAtAll) {
   EXPECT_EQ(summary_of(judged({})).finding, nothing);
 }
 
-TEST(DiagnosisWords, UnknownSaysWhereToLook) {
+TEST(DiagnosisWords, UnknownNamesThePlaceToInvestigate) {
   const std::string rest =
       " Something outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not take calibrated "
       "values for properties of the material.";
@@ -263,7 +263,7 @@ TEST(DiagnosisWords, NothingIsToBeActedOnBeforeTheFitThatDecidesHasSettled) {
       "The runs that were made are kept.");
 }
 
-TEST(DiagnosisWords, UnknownSaysSoWhereRunsWereUsedUpBeforeASecondEffectWasTried) {
+TEST(DiagnosisWords, UnknownReportsThatRunsWereUsedUpBeforeASecondEffectWasTried) {
   const std::string more = "Run the diagnosis again with --fresh and more runs (diagnosis.max_runs). The runs that were made are kept.";
   Alternative half = beam();
   half.explanation.chi2 = 200;
@@ -296,7 +296,7 @@ TEST(DiagnosisWords, DataThatAreNotInOrderComeFirst) {
   const std::string end = "Then run the diagnosis again. Until the data are in order, no verdict on physics holds.";
   Diagnosis d = judged({beam()});
   d.base.mislabelled = {{.gauge = "T2", .other = "", .own = -0.98, .like = 0.98}, {.gauge = "T3", .other = "B1", .own = 0.31, .like = 0.96}};
-  EXPECT_EQ(summary_of(d).finding, "The simulation and the records differ (misfit 11 %), but channels look mixed up, so no mechanism was tried.");
+  EXPECT_EQ(summary_of(d).finding, "The simulation and the records differ (misfit 11 %), but channels appear to be mixed up, so no mechanism was tried.");
   EXPECT_EQ(
       summary_of(d).next_step,
       "The record of gauge T2 has the opposite sign of its simulation (correlation -0.98). Check its wiring and its direction in the case. The record of "
@@ -315,7 +315,7 @@ TEST(DiagnosisWords, DataThatAreNotInOrderComeFirst) {
 
 TEST(DiagnosisWords, MissingTermsAreAHintAndNoName) {
   MissingTerms m{.screened = 135};
-  EXPECT_EQ(missing_sentence(m), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce what is missing.");
+  EXPECT_EQ(missing_sentence(m), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce the missing effect.");
   const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7},
       share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
   m = {.terms = {mass}, .screened = 135, .misfit_before = 0.05, .misfit_after = 0.04};

@@ -57,7 +57,7 @@ TEST(FitWords, AFitIsAdequateOrNotOrItsErrorsAreTooWide) {
             "61.7 to it");
   g.adequate = false;
   EXPECT_EQ(goodness_sentence(g),
-            "the fit is not adequate: the model leaves out more than noise and known errors explain: chi-squared 12 for 50 values less 2 parameters (p 0.68), "
+            "the fit is not adequate: the model omits more than noise and known errors explain: chi-squared 12 for 50 values less 2 parameters (p 0.68), "
             "41.9 for 48.4 effective data (p 0.63)");
 }
 
@@ -113,9 +113,9 @@ TEST(FitWords, TheResidualPointsSomewhereOrNot) {
 
 TEST(FitWords, ACheckHoldsOrNotOrWasNotMade) {
   TrueModelCheck check;
-  EXPECT_EQ(check_sentence(check), "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked");
+  EXPECT_EQ(check_sentence(check), "no run of the true model was requested (emulator.check_coarse, check_fine): the emulator was not checked");
   check.runs.resize(4);
-  EXPECT_EQ(check_sentence(check), "no run of the true model came through at the posterior's draws: the emulator was not checked");
+  EXPECT_EQ(check_sentence(check), "no run of the true model succeeded at the posterior's draws: the emulator was not checked");
   check.done = 4;
   check.score = 4;
   check.score_sd = 0.12;
@@ -154,9 +154,9 @@ TEST(FitWords, ANestedModelIsFavouredOrNotOrTheRecordsDoNotDecide) {
 }
 
 TEST(FitWords, RefinementsEndForOneOfFourReasons) {
-  EXPECT_EQ(refinement_end(RefinementEnd::holds), "the true model lies where the emulator says");
-  EXPECT_EQ(refinement_end(RefinementEnd::unchecked), "no run of the true model came through to check it by");
-  EXPECT_EQ(refinement_end(RefinementEnd::none_allowed), "none was asked for (posterior.refinements)");
+  EXPECT_EQ(refinement_end(RefinementEnd::holds), "the true model agrees with the emulator");
+  EXPECT_EQ(refinement_end(RefinementEnd::unchecked), "no run of the true model succeeded, so it was not checked");
+  EXPECT_EQ(refinement_end(RefinementEnd::none_allowed), "none was requested (posterior.refinements)");
   EXPECT_EQ(refinement_end(RefinementEnd::limit), "there are no more to be made (posterior.refinements)");
 }
 
@@ -188,20 +188,20 @@ TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
   EXPECT_THAT(map_warnings(s, f.in, f.fit), Contains(goodness_sentence(s.fit)));
   f.fit.settled = false;
   s.check.holds = false;
-  s.nuisances = {{.name = "viscosity", .value = 12.345, .pull = -0.9}, {.name = "beyond", .value = 1.5, .pull = -2.5}};
+  s.nuisances = {{.name = "viscosity", .value = 12.345, .deviation = -0.9}, {.name = "beyond", .value = 1.5, .deviation = -2.5}};
   f.problem.shape.parameters[0].max = s.theta[0] = 3.25;
   f.problem.shape.parameters[1].min = s.theta[1] - 1;
   f.problem.shape.parameters[1].max = s.theta[1] + 1.5 * std::sqrt(s.covariance(1, 1));
   EXPECT_THAT(
       map_warnings(s, f.in, f.fit),
       ElementsAre(emulator_sentence(f.fit), check_sentence(s.check), goodness_sentence(s.fit),
-                  "the records pull the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from what was known "
-                  "of it: something is missing that it takes up",
-                  "a = 3.25 sits on a bound: the data would have it outside, or do not determine it",
+                  "the records shift the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from its prior mean: "
+                  "it may compensate for an effect that the model omits",
+                  "a = 3.25 lies on a bound: its best value is beyond the bound, or the data do not determine it",
                   "a bound of b lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond"));
 }
 
-TEST(FitWords, AModeThatNoRunVerifiesSaysWhy) {
+TEST(FitWords, AModeThatNoRunVerifiesHasAReason) {
   const auto model = line();
   Fitted f(model, pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4), noise_of(0.05));
   (void)f.map({0, 0}, {2, 4});

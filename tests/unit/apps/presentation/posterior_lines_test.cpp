@@ -8,7 +8,7 @@
 using namespace calomel;
 using testing::ElementsAre;
 
-TEST(PosteriorLines, ARoundTellsItsRunsTheModeAndTheVariance) {
+TEST(PosteriorLines, ARoundReportsItsRunsTheModeAndTheVariance) {
   PosteriorRound round{.coarse = 48, .fine = 14, .theta = {13310.4, 1462}, .theta_sd = {21.3, 2}, .variance = 0.25};
   const std::vector<Parameter> parameters{{.name = "density"}, {.name = "sound_speed"}};
   EXPECT_EQ(round_line(round, parameters), "emulator: 48 coarse and 14 fine runs: density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
@@ -24,15 +24,14 @@ TEST(PosteriorLines, EveryParameterHasALineOfItsDraws) {
   EXPECT_THAT(draws_lines(convergence), ElementsAre("sample: density 13310 ± 21 (90 %: 13275 to 13345; R-hat 1.002, ESS 2346)"));
 }
 
-TEST(PosteriorLines, AMeshThatDoesNotResolveTheFrontIsToldWithOneThatDoes) {
+TEST(PosteriorLines, AMeshThatDoesNotResolveTheFrontIsReportedWithOneThatDoes) {
   const auto said = front_sentence(1.016, 1e-3);
   EXPECT_THAT(said, testing::StartsWith("the emulator's finest mesh, 1 mm, has only 1.0 elements through the front of the pulse"));
   EXPECT_THAT(said, testing::HasSubstr("elements of 0.508 mm (emulator.element_sizes)"));
 }
 
 TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
-  EXPECT_EQ(absorption_sentence("density", -3.14159),
-            "density sits 3.1 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs");
+  EXPECT_EQ(absorption_sentence("density", -3.14159), "density is 3.1 prior standard deviations below its prior mean: it compensates for an omitted effect");
   EXPECT_THAT(absorption_sentence("density", 2.5), testing::HasSubstr("2.5 prior standard deviations above"));
 }
 
@@ -51,10 +50,11 @@ TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
   EXPECT_EQ(verdict_sentence(convergence, fit, check), convergence_sentence(convergence));
 }
 
-TEST(PosteriorLines, TheWideningNamesItsRangeAndWhatItIsGreatestIn) {
-  const NoiseWidening w{.sd_ratio = {1.02, 1.31, 0.98}, .sd_ratio_alike = {}, .shift = {}, .plug_in_draws = 100, .weights = {0.5, 0.5}, .effective_draws = 2};
-  EXPECT_EQ(widening_sentence(w, {"density", "sound_speed", "cutoff"}),
-            "averaged over 2 draws of the emulator's noise, worth 2.0: deviations are 0.98 to 1.31 times those with its estimate alone, most of sound_speed");
+TEST(PosteriorLines, TheInflationNamesItsRangeAndTheParameterOfTheLargest) {
+  const NoiseInflation w{.sd_ratio = {1.02, 1.31, 0.98}, .sd_ratio_alike = {}, .shift = {}, .plug_in_draws = 100, .weights = {0.5, 0.5}, .effective_draws = 2};
+  EXPECT_EQ(inflation_sentence(w, {"density", "sound_speed", "cutoff"}),
+            "averaged over 2 draws of the emulator's noise (2.0 effective): standard deviations are 0.98 to 1.31 times those with its estimate alone, the "
+            "largest ratio for sound_speed");
 }
 
 TEST(PosteriorLines, RefinementsAreCountedWithTheirRunsAndWhyTheyEnded) {

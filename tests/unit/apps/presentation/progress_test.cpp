@@ -29,8 +29,11 @@ TEST(Progress, DrawsABarOverItselfAndEndsItsLine) {
   {
     ProgressDisplay p("campaign", "runs", ProgressDisplay::Style::bar, out, [&] { return now; });
     p.update(0, 4, "a long note that goes");
-    now = 0.05, p.update(1, 4);  // too soon to be drawn again
-    now = 1, p.update(2, 4);
+    // too soon to be drawn again
+    now = 0.05;
+    p.update(1, 4);
+    now = 1;
+    p.update(2, 4);
   }
   const auto text = out.str();
   EXPECT_EQ(std::count(text.begin(), text.end(), '\r'), 2);

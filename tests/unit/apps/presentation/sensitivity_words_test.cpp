@@ -17,13 +17,13 @@ TEST(SensitivityWords, WhatWasEvaluatedIsTheModelOrItsSurrogate) {
       "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model";
   EXPECT_EQ(evaluated_sentence(&runs), by_surrogate);
   runs.means.col(1).setConstant(nan);
-  EXPECT_EQ(evaluated_sentence(&runs), by_surrogate + "; 1 of its 3 runs failed, and the surrogate answers there all the same");
+  EXPECT_EQ(evaluated_sentence(&runs), by_surrogate + "; 1 of its 3 runs failed, and the surrogate still predicts there");
 }
 
 TEST(SensitivityWords, SharesAreInDoubtWhereManyEvaluationsOrRunsFailed) {
   Sensitivity s{.evaluations = 320, .failed = 100, .rows = 16, .design_rows = 64};
   EXPECT_EQ(sensitivity_doubt(s, true), "");
-  EXPECT_EQ(sensitivity_doubt(s, false), "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why");
+  EXPECT_EQ(sensitivity_doubt(s, false), "the campaign or the surrogate is not to be trusted: campaign.json and train.json give the reason");
   s.many_failed = true;
   EXPECT_EQ(sensitivity_doubt(s, false),
             "100 of 320 evaluations of the model failed, more than a fifth: the shares are of 16 of 64 rows of the design, those where the model has answers; "

@@ -35,7 +35,7 @@ std::vector<std::string> outside_loads(const std::string& page) {
 
 }  // namespace
 
-TEST(Report, LoadsNothingFromOutsideAndStaysBelowTenMegabytes) {
+TEST(Report, LoadsNothingFromOutsideAndIsSmallerThanTenMegabytes) {
   const auto dir = scratch("loads");
   const auto in = input();
   write_study(dir, in);
@@ -225,7 +225,7 @@ TEST(ReportCsv, HistoriesAreWholeAndInMicrostrain) {
   EXPECT_NE(csv[1 + 5 * 601 + 205][7], "");  // the simulation has values there
 }
 
-TEST(ReportCsv, ATableOfAStageThatIsGoneDoesNotStay) {
+TEST(ReportCsv, ATableOfARemovedStageIsRemoved) {
   const auto dir = scratch("stale");
   const auto in = input();
   write_study(dir, in);

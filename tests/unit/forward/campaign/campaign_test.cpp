@@ -250,7 +250,7 @@ TEST(Campaign, TheStopFlagEndsItAfterTheRunsInProgressAndASecondCallResumes) {
   EXPECT_EQ(arrays(dir), arrays(whole));
 }
 
-TEST(Campaign, OneOfAnotherDesignTakesTheRunsThatStand) {
+TEST(Campaign, OneOfAnotherDesignReusesTheExistingRuns) {
   const auto dir = scratch("campaign_larger"), whole = scratch("campaign_larger_whole");
   auto o = small(16);
   o.design = "sobol";  // whose first points are those of a longer one
@@ -299,7 +299,8 @@ TEST(Campaign, ProgressCountsEveryRunOnce) {
   std::size_t failures = 0;
   const auto summary = run(Ringing(), scratch("campaign_progress"), o, 3, provenance_of(o), [&](std::size_t n, std::size_t failed, std::size_t runs) {
     EXPECT_EQ(runs, 40u);
-    seen.push_back(n), failures = failed;
+    seen.push_back(n);
+    failures = failed;
   });
   ASSERT_EQ(seen.size(), 41u);
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i);

@@ -68,7 +68,7 @@ TEST(Design, EveryCatalogueEntryFillsTheUnitCubeAndFollowsItsSeed) {
   }
 }
 
-TEST(Design, AnUnknownNameIsAnsweredWithTheKnownOnes) {
+TEST(Design, AnUnknownNameIsRefusedWithTheKnownOnes) {
   const std::vector<Parameter> one{{.name = "a", .min = 0, .max = 1}};
   try {
     (void)design_points("sobl", one, 10, 1);
@@ -116,7 +116,7 @@ TEST(Design, LatinHypercubeHasOnePointInEachSliceOfEveryCoordinate) {
 }
 
 TEST(Design, ChebyshevFollowsTheArcsineLaw) {
-  // Independent draws would exceed 1.63 once in a hundred (Kolmogorov 1933); low-discrepancy points stay far below.
+  // Independent draws would exceed 1.63 once in a hundred (Kolmogorov 1933); low-discrepancy points remain far below.
   const auto points = chebyshev_points(4, 1000, 1);
   for (Eigen::Index d = 0; d < 4; ++d) {
     EXPECT_LT(kolmogorov(points.row(d), arcsine_cdf), 1.63);

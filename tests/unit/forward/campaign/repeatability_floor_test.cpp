@@ -19,13 +19,16 @@ namespace {
 RepeatabilityFloor example(std::vector<std::string> conditions = {"default"}) {
   RepeatabilityFloor floor;
   floor.members = {{1, 0.3, true, ""}, {0.5, 0.7, false, "an element collapsed"}, {2, 0.45, true, ""}};
-  floor.conditions = std::move(conditions), floor.sensors = {"A", "B"};
-  floor.window_begin = {0, 0.25, 0.5}, floor.window_end = {0.25, 0.5, 0.6};
+  floor.conditions = std::move(conditions);
+  floor.sensors = {"A", "B"};
+  floor.window_begin = {0, 0.25, 0.5};
+  floor.window_end = {0.25, 0.5, 0.6};
   const std::size_t records = 2 * floor.conditions.size();
   for (std::size_t i = 0; i < 3 * records; ++i) floor.sd.push_back(1e-6 / double(i + 3)), floor.signal.push_back(1e-4 / double(i + 7));
   FloorComparison precision{.name = "precision", .what = "single against double", .message = "", .relative = {}, .mean = 2.0 / 7, .worst = 1.0 / 3};
   for (std::size_t i = 0; i < records; ++i) floor.relative.push_back(1 / double(i + 11)), precision.relative.push_back(1 / double(i + 3));
-  floor.worst = 1.0 / 11, floor.mean = 0.08;
+  floor.worst = 1.0 / 11;
+  floor.mean = 0.08;
   floor.comparisons = {precision, {.name = "finer_mesh", .what = "half the size", .message = "left out", .relative = {}, .mean = 0, .worst = 0}};
   return floor;
 }
@@ -35,7 +38,9 @@ class Line : public ForwardModel {
  public:
   Line() {
     shape_.parameters = {{.name = "a", .key = "a", .min = 0, .max = 1}};
-    shape_.conditions = {"default"}, shape_.sensors = {"A", "B"}, shape_.times = {0, 0.3, 0.6};
+    shape_.conditions = {"default"};
+    shape_.sensors = {"A", "B"};
+    shape_.times = {0, 0.3, 0.6};
   }
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override {
@@ -48,7 +53,8 @@ class Line : public ForwardModel {
 
 CampaignSummary run(const std::filesystem::path& dir, const FloorSource& floor) {
   CampaignOptions o;
-  o.runs = 5, o.pulses = 1;
+  o.runs = 5;
+  o.pulses = 1;
   const Provenance provenance{.stage = "campaign", .options = {{"campaign", identity_options(o)}}};
   const Line line;
   const ModelSimulator simulator(line);
@@ -74,7 +80,7 @@ TEST(RepeatabilityFloor, ComesBackFromItsJsonToTheLastBit) {
   EXPECT_THROW((void)read_floor({{"mean", 1}}), InputError);
 }
 
-TEST(RepeatabilityFloor, IsAskedWhenTheRunsAreFinishedAndKeptInBothFiles) {
+TEST(RepeatabilityFloor, IsMeasuredWhenTheRunsAreFinishedAndKeptInBothFiles) {
   const auto dir = scratch("floor_kept");
   int asked = 0;
   const auto summary = run(dir, [&]() -> std::optional<RepeatabilityFloor> {
@@ -103,7 +109,7 @@ TEST(RepeatabilityFloor, IsLeftOutWithoutATrace) {
   EXPECT_FALSE(read_json(dir / "campaign.json").contains("floor"));
 }
 
-// What was trained on an archive belongs to its bytes: a floor measured later stands in the summary alone, and stays there.
+// What was trained on an archive belongs to its bytes: a floor measured later stands in the summary alone, and remains there.
 TEST(RepeatabilityFloor, OfAFinishedCampaignGoesToTheSummaryAlone) {
   const auto dir = scratch("floor_later");
   (void)run(dir, {});
@@ -115,7 +121,7 @@ TEST(RepeatabilityFloor, OfAFinishedCampaignGoesToTheSummaryAlone) {
   EXPECT_EQ(read_text(dir / "campaign.nc"), bytes);
 }
 
-TEST(RepeatabilityFloor, ThatCannotBeMeasuredIsToldAndCostsNoRun) {
+TEST(RepeatabilityFloor, ThatCannotBeMeasuredIsReportedAndCostsNoRun) {
   const auto dir = scratch("floor_failed");
   const auto summary = run(dir, []() -> std::optional<RepeatabilityFloor> { throw NumericsError("the floor needs three finished runs"); });
   EXPECT_THAT(summary.message, HasSubstr("needs three finished runs"));

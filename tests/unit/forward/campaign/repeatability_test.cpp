@@ -61,7 +61,8 @@ TEST(Floor, OfTheWholeRecordIsThatOfItsWindows) {
     double sd = 0, signal = 0;
     for (std::size_t w = 0; w < windows; ++w) {
       const double n = w + 1 < windows ? 10 : 11;  // the last holds the end of the record
-      sd += n * std::pow(floor.sd[row * windows + w], 2), signal += n * std::pow(floor.signal[row * windows + w], 2);
+      sd += n * std::pow(floor.sd[row * windows + w], 2);
+      signal += n * std::pow(floor.signal[row * windows + w], 2);
     }
     EXPECT_NEAR(floor.relative[row], std::sqrt(sd / signal), 1e-12 * floor.relative[row]);
   }
@@ -80,7 +81,7 @@ TEST(Floor, NeedsThreeMembers) {
   EXPECT_THROW((void)floor_of(small_case(), few, 7, 1), ContractFailure);
 }
 
-TEST(Floor, TellsBesideItWhatElseMovesTheAnswer) {
+TEST(Floor, ReportsTheOtherNumericalErrors) {
   const auto floor = floor_of(small_case(), beside(), 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 3u);
   for (const auto& c : floor.comparisons) {
@@ -89,7 +90,7 @@ TEST(Floor, TellsBesideItWhatElseMovesTheAnswer) {
     EXPECT_GT(c.mean, 0) << c.name;
     EXPECT_GE(c.worst, c.mean) << c.name;
   }
-  // In 40 us chaos has not grown: 1e-6 of the parameters and the rounding of single precision stay far below an element's halving.
+  // In 40 us chaos has not grown: 1e-6 of the parameters and the rounding of single precision remain far below an element's halving.
   const double finer = comparison(floor, "finer_mesh").mean;
   EXPECT_GT(finer, 0.01);
   EXPECT_LT(comparison(floor, "single_runs").worst, 0.01 * finer);
@@ -110,7 +111,8 @@ TEST(Floor, OfSingleRunsIsOfWhatTheirParametersDifferBy) {
 
 TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
   FloorOptions o = beside();
-  o.finer_mesh = o.precisions = false, o.single_run_shift = 0.01;
+  o.finer_mesh = o.precisions = false;
+  o.single_run_shift = 0.01;
   const auto with = [&](const char* key, const char* bounds) {
     return comparison(floor_of(small_case(std::string("[parameter.p]\nkey = \"") + key + "\"\n" + bounds), o, 7, 2), "single_runs");
   };
@@ -118,9 +120,12 @@ TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
   EXPECT_GT(with("material.steel.young", "min = 1e6\nmax = 1e12\n").worst, 1e-4);
 }
 
-TEST(Floor, SaysWhyAComparisonIsLeftOut) {
+TEST(Floor, ReportsWhyAComparisonIsLeftOut) {
   FloorOptions o = beside();
-  o.single_runs = 0, o.precisions = false, o.finer_elements = 600;  // fewer than there are now
+  // fewer than there are now
+  o.single_runs = 0;
+  o.precisions = false;
+  o.finer_elements = 600;
   const auto floor = floor_of(small_case(), o, 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 1u);
   EXPECT_THAT(floor.comparisons[0].message, HasSubstr("floor.finer_elements"));

@@ -47,10 +47,13 @@ TEST(RunTotals, TimeAtCutoffIsTheMeanOfTheFieldOverTheMercury) {
   for (const char* precision : {"double", "single"}) {
     ForwardCase c = small_case();
     c.solver.precision = precision;
-    c.geometry.wall_elements = 6, c.solver.subcycles = 4;  // elements of different sizes and steps
+    // elements of different sizes and steps
+    c.geometry.wall_elements = 6;
+    c.solver.subcycles = 4;
     const BuiltInModel model(c);
     SolveOptions options = solve_options(c.solver);
-    options.energy_balance = true, options.field_interval = c.time.end;
+    options.energy_balance = true;
+    options.field_interval = c.time.end;
     std::vector<double> last;
     options.on_field = [&](const FieldSnapshot& f) { last = f.time_at_cutoff; };
     const SolveSummary s = model.simulate(options).summary;
@@ -61,7 +64,8 @@ TEST(RunTotals, TimeAtCutoffIsTheMeanOfTheFieldOverTheMercury) {
         hexahedron::Corners x;
         for (std::size_t k = 0; k < 8; ++k) x[k] = Eigen::Map<const Eigen::Vector3d>(mesh.nodes[std::size_t(mesh.elements[e][k])].data());
         const double v = hexahedron::volume(x);
-        of_all += v, sum += v * last[e];
+        of_all += v;
+        sum += v * last[e];
       }
     EXPECT_GT(s.subcycles, 1);
     EXPECT_NEAR(of_all, mesh.quality.mercury_volume, 1e-9 * of_all);

@@ -5,7 +5,7 @@
 namespace calomel {
 namespace {
 
-MultilevelRegression taught(Eigen::MatrixXd u, int fine) {
+MultilevelRegression trained(Eigen::MatrixXd u, int fine) {
   EmulatorRuns runs{.u = std::move(u), .level = {}, .levels = 2};
   for (Eigen::Index i = 0; i < runs.u.cols(); ++i) runs.level.push_back(i < fine ? 0 : 1);
   return {runs, Eigen::MatrixXd::Zero(1, runs.u.cols()), Eigen::VectorXd::Ones(1)};
@@ -23,7 +23,7 @@ TEST(FirstDesign, BeginsInTheMiddleAndFillsTheBox) {
 TEST(Infill, GoesWhereLeastIsKnownAndNotTwiceToTheSamePlace) {
   Eigen::MatrixXd u = first_design(2, 24, 1);
   u.row(0) = (0.5 * (u.row(0).array() - 1)).matrix();  // no run lies where the first coordinate is above 0
-  const auto emulator = taught(u, 8);
+  const auto emulator = trained(u, 8);
   const auto points = infill(emulator, first_design(2, 200, 9), 4, 3);
   ASSERT_EQ(points.level.size(), 7u);
   EXPECT_EQ(std::count(points.level.begin(), points.level.end(), 0), 3);
@@ -34,7 +34,7 @@ TEST(Infill, GoesWhereLeastIsKnownAndNotTwiceToTheSamePlace) {
 }
 
 TEST(Infill, TakesMoreOffTheVarianceThanAsManyRunsAtRandom) {
-  const auto emulator = taught(first_design(2, 24, 1), 8);
+  const auto emulator = trained(first_design(2, 24, 1), 8);
   const Eigen::MatrixXd draws = first_design(2, 200, 9);
   const auto mean_variance = [&](const MultilevelRegression& e) {
     double sum = 0;

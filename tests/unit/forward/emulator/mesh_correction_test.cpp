@@ -20,14 +20,16 @@ Eigen::Vector4d history(const Eigen::VectorXd& u, int level) {
   return y;
 }
 
-struct Taught {
-  Taught() {
+struct Trained {
+  Trained() {
     const Eigen::MatrixXd u = first_design(3, 30, 5);
     EmulatorRuns runs{Eigen::MatrixXd(3, 40), {}, 2};
     histories.resize(4, 40);
     for (int i = 0; i < 40; ++i) {
       const int level = i < 30 ? 1 : 0;
-      runs.u.col(i) = u.col(i % 30), runs.level.push_back(level), histories.col(i) = history(runs.u.col(i), level);
+      runs.u.col(i) = u.col(i % 30);
+      runs.level.push_back(level);
+      histories.col(i) = history(runs.u.col(i), level);
     }
     regression = MultilevelRegression(runs, histories, Eigen::Vector4d::Ones());
   }
@@ -69,7 +71,7 @@ class Line final : public ForwardModel {
 };
 
 TEST(MeshCorrection, IsFinestLessWorkingWithTheNumbersOfEitherMesh) {
-  const Taught t;
+  const Trained t;
   const std::vector<double> theta{180, 4.5}, fine{180, 4.5, 20}, working{180, 4.5, 35};
   for (const int level : {0, 1}) {
     const MeshCorrection c(box, t.regression, t.histories, level, {20}, {35});
@@ -86,7 +88,7 @@ TEST(MeshCorrection, IsFinestLessWorkingWithTheNumbersOfEitherMesh) {
 }
 
 TEST(MeshCorrection, OutsideTheBoxIsThatOfItsNearestPoint) {
-  const Taught t;
+  const Trained t;
   const MeshCorrection c(box, t.regression, t.histories, 1, {20}, {35});
   const std::vector<double> far{800, 4}, edge{400, 4};
   EXPECT_FALSE(c.inside(far));
@@ -99,7 +101,7 @@ TEST(MeshCorrection, OutsideTheBoxIsThatOfItsNearestPoint) {
 }
 
 TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
-  const Taught t;
+  const Trained t;
   const Line line;
   const MeshCorrection c(box, t.regression, t.histories, 1, {20}, {35}), none;
   const CorrectedModel corrected(line, c), plain(line, none);
@@ -126,7 +128,8 @@ TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
   for (std::size_t k = 0; k < 2; ++k) {
     auto up = at, down = at;
     const double h = 1e-5 * at[k];
-    up[k] += h, down[k] -= h;
+    up[k] += h;
+    down[k] -= h;
     double slope = 0;
     for (std::size_t i = 0; i < 4; ++i) slope += weights[i] * (corrected.evaluate(up).mean[i] - corrected.evaluate(down).mean[i]) / (2 * h);
     EXPECT_NEAR(g[Eigen::Index(k)], slope, 1e-6 * (1 + std::abs(slope)));

@@ -32,7 +32,8 @@ Design design(int coarse, int fine, double noise, std::uint64_t seed = 1) {
   Design d{{Eigen::MatrixXd(2, coarse + fine), {}, 2}, Eigen::MatrixXd(2, coarse + fine)};
   for (int i = 0; i < coarse + fine; ++i) {
     const int level = i < coarse ? 1 : 0;
-    d.runs.u.col(i) = u.col(i % coarse), d.runs.level.push_back(level);
+    d.runs.u.col(i) = u.col(i % coarse);
+    d.runs.level.push_back(level);
     d.outputs.col(i) = smooth(d.runs.u.col(i), level);
     for (auto& y : d.outputs.col(i)) y += noise * (1 + level) * random.normal();
   }
@@ -48,7 +49,7 @@ TEST(EmulatorBox, CoordinatesGoThereAndBack) {
   const auto theta = box.theta(Eigen::Vector2d(0.3, -0.8));
   EXPECT_NEAR(box.u(theta)[0], 0.3, 1e-12);
   EXPECT_NEAR(box.u(theta)[1], -0.8, 1e-12);
-  const Eigen::VectorXd slope = box.slope(Eigen::Vector2d(0.3, -0.8));
+  const Eigen::VectorXd slope = box.derivative(Eigen::Vector2d(0.3, -0.8));
   EXPECT_NEAR(slope[0], (box.theta(Eigen::Vector2d(0.3 + 1e-6, -0.8))[0] - theta[0]) / 1e-6, 1e-3);
   EXPECT_NEAR(slope[1], 2, 1e-12);
   EXPECT_TRUE(box.contains(std::vector<double>{400, 2}));
@@ -67,7 +68,7 @@ TEST(MultilevelRegression, HoldsWhatItCanHoldExactlyOnEveryMeshAndBeyond) {
   EXPECT_LT((d.outputs * e.weights(e.features(u, 0)) - fine).norm(), 1e-6);
 }
 
-TEST(MultilevelRegression, SlopesAreThoseOfTheFeatures) {
+TEST(MultilevelRegression, DerivativesAreThoseOfTheFeatures) {
   const Design d = design(20, 6, 0.1);
   const MultilevelRegression e(d.runs, d.outputs, equal);
   const Eigen::Vector2d u(0.2, 0.5);
@@ -75,7 +76,8 @@ TEST(MultilevelRegression, SlopesAreThoseOfTheFeatures) {
   const Eigen::MatrixXd s = e.features_slope(u, k);
   for (int i = 0; i < 2; ++i) {
     Eigen::Vector2d up = u, down = u;
-    up[i] += h, down[i] -= h;
+    up[i] += h;
+    down[i] -= h;
     EXPECT_LT((s.col(i) - (e.features(up, k) - e.features(down, k)) / (2 * h)).norm(), 1e-8);
   }
   EXPECT_LT((s.col(2) - (e.features(u, k + h) - e.features(u, k - h)) / (2 * h)).norm(), 1e-8);
@@ -92,7 +94,8 @@ TEST(MultilevelRegression, LeftOutErrorsAreThoseOfARefitWithoutTheRun) {
       if (j == i) continue;
       const Eigen::VectorXd x = e.level_features(d.runs.u.col(j), d.runs.level[std::size_t(j)]);
       const double w = 1 / e.noise_ratio()[std::size_t(d.runs.level[std::size_t(j)])];
-      normal += w * x * x.transpose(), right += w * x * d.outputs.col(j).transpose();
+      normal += w * x * x.transpose();
+      right += w * x * d.outputs.col(j).transpose();
     }
     const Eigen::MatrixXd c = inverse(normal) * right;
     const Eigen::VectorXd error = d.outputs.col(i) - c.transpose() * e.level_features(d.runs.u.col(i), d.runs.level[std::size_t(i)]);
@@ -107,7 +110,8 @@ TEST(MultilevelRegression, FindsThatACoarseMeshIsNoisierAndItsVarianceIsThatOfRe
   for (int r = 0; r < repeats; ++r) {
     const Design d = design(40, 14, 0.1, 100 + std::uint64_t(r));
     const MultilevelRegression e(d.runs, d.outputs, equal);
-    ratio += e.noise_ratio()[1] / repeats, variance += e.variance(e.features(u, 0)) / repeats;
+    ratio += e.noise_ratio()[1] / repeats;
+    variance += e.variance(e.features(u, 0)) / repeats;
     squares += (e.fit(d.outputs) * e.features(u, 0) - smooth(u, 0)).squaredNorm() / 2 / repeats;
     noise += e.residuals(d.outputs).squaredNorm() / 2 / e.freedom() / repeats;
   }
@@ -125,7 +129,8 @@ TEST(MultilevelRegression, WithAnotherNoiseRatioIsLeastSquaresWithItsWeights) {
   for (Eigen::Index j = 0; j < d.outputs.cols(); ++j) {
     const Eigen::VectorXd x = e.level_features(d.runs.u.col(j), d.runs.level[std::size_t(j)]);
     const double w = d.runs.level[std::size_t(j)] == 0 ? 1 : 1 / 0.3;
-    normal += w * x * x.transpose(), right += w * x * d.outputs.col(j).transpose();
+    normal += w * x * x.transpose();
+    right += w * x * d.outputs.col(j).transpose();
   }
   EXPECT_LT((other.fit(d.outputs).transpose() - inverse(normal) * right).norm(), 1e-8);
   EXPECT_LT((other.inverse() - inverse(normal)).norm(), 1e-8 * other.inverse().norm());
@@ -137,7 +142,8 @@ TEST(MultilevelRegression, NoiseOfALevelIsItsSquaresOverWhatIsLeftAndLeansOnAll)
   const Design d = design(20, 7, 0.1);
   const MultilevelRegression e(d.runs, d.outputs, equal);
   Eigen::VectorXd squares = Eigen::VectorXd::Constant(27, 4), left = Eigen::VectorXd::Constant(27, 0.5);
-  squares.tail(7).setConstant(1), left.tail(7).setConstant(0.25);
+  squares.tail(7).setConstant(1);
+  left.tail(7).setConstant(0.25);
   const double all = (80.0 + 7) / (10 + 1.75);
   const auto noise = e.level_noise(squares, left);
   EXPECT_NEAR(noise[0], (7 + 0.25 * all) / (1.75 + 0.25), 1e-12);
@@ -153,7 +159,9 @@ TEST(MultilevelRegression, VarianceGrowsOutsideTheDesignAndFallsWithOneMoreRun) 
   EXPECT_LT(more.variance(more.features(corner, 0)), e.variance(e.features(corner, 0)));
   // The result equals a refit with that run, whatever the run's values are.
   Design larger = d;
-  larger.runs.u.conservativeResize(Eigen::NoChange, 27), larger.runs.u.col(26) = corner, larger.runs.level.push_back(0);
+  larger.runs.u.conservativeResize(Eigen::NoChange, 27);
+  larger.runs.u.col(26) = corner;
+  larger.runs.level.push_back(0);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(9, 9);
   for (Eigen::Index j = 0; j < 27; ++j) {
     const Eigen::VectorXd x = e.level_features(larger.runs.u.col(j), larger.runs.level[std::size_t(j)]);

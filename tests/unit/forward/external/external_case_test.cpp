@@ -98,7 +98,7 @@ TEST(ExternalCase, TheResponseOfGaugesIsNotOfferedBesideOneOfTheCaseNorForOneSen
   EXPECT_EQ(offered_groups(read(head + "[output]\nsensors = [\"A\"]\ntime = { step = 0.5, count = 3 }\n" + parameters)).size(), 2u);
 }
 
-TEST(ExternalCase, MistakesAreToldWithTheirPlace) {
+TEST(ExternalCase, MistakesAreReportedWithTheirPlace) {
   EXPECT_NE(refusal(head + parameters).find("[output]"), std::string::npos);
   EXPECT_NE(refusal(head + "[output]\nsensors = [\"A\"]\n" + parameters).find("times"), std::string::npos);
   EXPECT_NE(refusal(head + "[output]\nsensors = [\"A\", \"A\"]\ntime = { step = 1.0, count = 2 }\n" + parameters).find("same name"), std::string::npos);

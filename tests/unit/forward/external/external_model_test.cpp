@@ -124,7 +124,7 @@ TEST(ExternalModel, AServerThatGoesAwayLosesNoRun) {
     served.reset();
     Eigen::MatrixXd more(1, 1);
     more << 4;
-    EXPECT_THROW((void)runs.get(at(model, more)), Unreachable) << "no run is told as failed";
+    EXPECT_THROW((void)runs.get(at(model, more)), Unreachable) << "no run is reported as failed";
   }
   RunStore store(provenance, scratch.path() / "runs.journal");
   Runs runs(model, store, one);

@@ -17,7 +17,9 @@ class Normal : public ForwardModel {
       p.nominal = 10;
       shape_.parameters.push_back(p);
     }
-    shape_.conditions = {"default"}, shape_.sensors = {"log_density"}, shape_.times = {0};
+    shape_.conditions = {"default"};
+    shape_.sensors = {"log_density"};
+    shape_.times = {0};
   }
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> t) const override {
@@ -35,7 +37,7 @@ class Normal : public ForwardModel {
   ModelShape shape_;
 };
 
-TEST(ModelPosterior, CoordinatesGoThereAndBackAndStayWithinTheBounds) {
+TEST(ModelPosterior, CoordinatesTransformBothWaysWithinTheBounds) {
   const Normal model;
   const ModelPosterior posterior(model, std::nullopt);
   const auto back = posterior.theta(posterior.q(std::vector{3.0, -20.0}));
@@ -49,7 +51,7 @@ TEST(ModelPosterior, CoordinatesGoThereAndBackAndStayWithinTheBounds) {
   }
 }
 
-TEST(ModelPosterior, GradientIsTheSlopeOfTheDensity) {
+TEST(ModelPosterior, GradientIsTheDerivativeOfTheDensity) {
   const Normal model;
   const ModelPosterior posterior(model, std::nullopt);
   const Eigen::Vector2d q(-0.3, 0.2);
@@ -71,7 +73,8 @@ TEST(ModelPosterior, TheJacobianIsInIt) {
     for (double b = -4; b < 4; b += step) {
       const Eigen::Vector2d q(a, b);
       const double d = posterior.log_density(q);
-      sum += std::exp(d) * step * step, without += std::exp(d - posterior.scale(q).array().log().sum()) * step * step;
+      sum += std::exp(d) * step * step;
+      without += std::exp(d - posterior.scale(q).array().log().sum()) * step * step;
     }
   const double closed = 2 * M_PI * 3 * 0.8 / 1e4;  // over the uniform prior's area
   EXPECT_NEAR(sum / closed, 1, 1e-4);

@@ -20,7 +20,8 @@ class DrippingServer {
  public:
   DrippingServer(std::string first, std::string again) : first_(std::move(first)), again_(std::move(again)), socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in at{};
-    at.sin_family = AF_INET, at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof at;
     (void)::bind(socket_, reinterpret_cast<const sockaddr*>(&at), size);
     (void)::listen(socket_, 4);
@@ -38,7 +39,8 @@ class DrippingServer {
     });
   }
   ~DrippingServer() {
-    thread_.request_stop(), thread_.join();
+    thread_.request_stop();
+    thread_.join();
     ::close(socket_);
   }
   DrippingServer(const DrippingServer&) = delete;
@@ -60,7 +62,7 @@ Answered<Blocks> answer_to(const std::string& body, int status = 200) {
   return client.evaluate({{1.0}}, two);
 }
 
-TEST(UmbridgeClient, AsksAndIsAnswered) {
+TEST(UmbridgeClient, SendsRequestsAndReadsResponses) {
   const Served served({straight_line()});
   const UmbridgeClient client({.url = served.url() + "/", .name = "line"});
   EXPECT_EQ(client.models(), std::vector<std::string>{"line"});
@@ -77,7 +79,7 @@ TEST(UmbridgeClient, AsksAndIsAnswered) {
   EXPECT_EQ(*client.apply_jacobian({{0, 0}}, 0, 0, v, 4).value, (std::vector<double>{2, 1, 0, -1}));
 }
 
-TEST(UmbridgeClient, SaysWhatAModelRefusesAndFailsAt) {
+TEST(UmbridgeClient, ReportsRefusalsAndFailuresOfAModel) {
   const Served served({straight_line()});
   const UmbridgeClient client({.url = served.url(), .name = "line"});
   const std::vector<std::size_t> four{4};
@@ -87,7 +89,7 @@ TEST(UmbridgeClient, SaysWhatAModelRefusesAndFailsAt) {
   EXPECT_NE(failed.message.find("the solver stopped"), std::string::npos) << failed.message;
 }
 
-TEST(UmbridgeClient, LiesAreToldAsWhatTheyAre) {
+TEST(UmbridgeClient, WrongResponsesAreReported) {
   EXPECT_TRUE(answer_to(R"({"output": [[1.0, 2.0]]})").value) << "and whatever the Content-Type says";
   EXPECT_NE(answer_to(R"({"output": [[1.0]]})").message.find("1 numbers where 2"), std::string::npos);
   EXPECT_NE(answer_to(R"({"output": [[1.0, 2.0], [3.0]]})").message.find("2 output blocks where 1"), std::string::npos);
@@ -120,7 +122,7 @@ TEST(UmbridgeClient, StrangeWordsAreMadePlain) {
   EXPECT_NE(answer_to("{\"output\": [[[[1]], 2.0]]}").message.find("a list"), std::string::npos);
 }
 
-TEST(UmbridgeClient, ABusyServerIsAskedAgain) {
+TEST(UmbridgeClient, ARequestToABusyServerIsRepeated) {
   std::atomic<int> calls = 0;
   const Faulty faulty([&](const httplib::Request&, httplib::Response& r) {
     r.status = ++calls < 3 ? 503 : 200;
@@ -148,7 +150,8 @@ TEST(UmbridgeClient, AHungModelFailsOnceAfterItsTimeout) {
   EXPECT_FALSE(answer_to("{}").lost) << "an answer that is wrong is an answer";
 }
 
-// A timeout is that of the whole exchange, however the answer drips: by lines of its head, or by a body of no told length, whose end is that of the connection.
+// A timeout is that of the whole exchange, also if the response arrives slowly: line by line in its head, or in a body of unknown length that ends with the
+// connection.
 TEST(UmbridgeClient, WhatDripsHasItsTimeToo) {
   for (const auto& [first, again] :
        {std::pair{"HTTP/1.1 200 OK\r\n", "X-Wait: 1\r\n"}, {"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n{\"output\": [[0.1, ", " "}}) {

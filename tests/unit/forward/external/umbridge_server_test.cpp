@@ -30,7 +30,8 @@ class Connection {
  public:
   Connection(const char* address, int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in to{};
-    to.sin_family = AF_INET, to.sin_port = htons(std::uint16_t(port));
+    to.sin_family = AF_INET;
+    to.sin_port = htons(std::uint16_t(port));
     inet_pton(AF_INET, address, &to.sin_addr);
     open_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
   }
@@ -109,7 +110,7 @@ TEST_F(UmbridgeServerTest, InfoAndSizesHaveNoOtherKeys) {
             (Json{{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}}));
 }
 
-TEST_F(UmbridgeServerTest, EvaluateAnswersWhateverTheContentType) {
+TEST_F(UmbridgeServerTest, EvaluateIgnoresTheContentType) {
   for (const char* type : {"application/json", "text/plain", "application/x-www-form-urlencoded"}) {
     const auto a = post(served, "/Evaluate", R"({"name": "line", "input": [[1, 0.1]]})", type);
     EXPECT_EQ(a.status, 200) << type;
@@ -174,7 +175,7 @@ TEST_F(UmbridgeServerTest, GreatBodiesAndUnknownPathsAreRefused) {
   }
 }
 
-/// Of the block that is asked for, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
+/// Of the block that is requested, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
 TEST(UmbridgeServer, DerivativesHaveTheSizeOfTheirBlock) {
   const Served served({blocks()});
   EXPECT_EQ(post(served, "/Evaluate", R"({"name": "blocks", "input": [[1, 2], [3]]})").body,
@@ -208,7 +209,7 @@ TEST(UmbridgeServer, ALongBodyIsReadWhateverTheContentType) {
   EXPECT_NE(nameless.read(5).find("200 OK"), std::string::npos) << "without any Content-Type";
 }
 
-/// However it comes: in pieces of which no sum is told, or compressed.
+/// In every form: in pieces without a total length, or compressed.
 TEST_F(UmbridgeServerTest, GreatBodiesAreRefusedHoweverTheyCome) {
   const Connection pieces("127.0.0.1", served.port());
   pieces.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n");
@@ -332,7 +333,7 @@ TEST(UmbridgeServer, ASlowModelDoesNotKeepAServerThatEnds) {
   EXPECT_EQ(refused, 4);
 }
 
-TEST(UmbridgeServer, ATakenPortIsSaid) {
+TEST(UmbridgeServer, AnOccupiedPortIsReported) {
   const Served served({straight_line()});
   EXPECT_THROW(UmbridgeServer({straight_line()}, {.port = served.port()}), InputError);
 }

@@ -32,7 +32,7 @@ TEST(BarWave, WithoutDispersionIsDelayedExactly) {
   }
 }
 
-TEST(BarWave, IsAttenuatedAsTheWavenumberSays) {
+TEST(BarWave, IsAttenuatedAccordingToTheWavenumber) {
   // k'' = -b omega^2 makes a Gaussian exp(-t^2/s^2) one of s'^2 = s^2 + 4 b d, its area kept.
   const BarWave wave(drive(), 200e-6);
   auto k = undispersed(wave);
@@ -47,7 +47,7 @@ TEST(BarWave, IsAttenuatedAsTheWavenumberSays) {
 
 TEST(BarWave, OfARecordThatEndsHighHoldsUntilItsEnd) {
   Signal s{.begin = 0, .interval = dt};
-  for (int i = 0; i < 300; ++i) s.value.push_back(1 / (1 + std::exp(-(i - 100.) / 8)));  // a step that stays
+  for (int i = 0; i < 300; ++i) s.value.push_back(1 / (1 + std::exp(-(i - 100.) / 8)));  // a step that remains
   const BarWave wave(s, 200e-6);
   const auto u = wave.at(0.5, undispersed(wave), 0);
   for (int i = 100; i < 400; ++i) ASSERT_NEAR(u[std::size_t(i)], s.value[std::size_t(i - 100)], 2e-5);

@@ -137,7 +137,7 @@ TEST(LineModel, LateralInertiaIsOfferedWhereTheRadiusIsKnown) {
   EXPECT_THAT(error_of(bar_text("[mechanism.lateral_inertia]\nenabled = true\npoisson = 0.3\n", "")), HasSubstr("needs line.radius"));
 }
 
-TEST(LineCase, TellsPlaceValueAndSuggestionOfWhatIsWrong) {
+TEST(LineCase, ReportsPlaceValueAndSuggestionOfAMistake) {
   EXPECT_THAT(error_of("[model]\nkind = \"line\"\n"), HasSubstr("the table [line] is missing"));
   EXPECT_THAT(error_of("[model]\nkind = \"line\"\n[line]\nkind = \"bare\"\n"), HasSubstr("case.toml:4:1: line.kind = \"bare\""));
   EXPECT_THAT(error_of(bar_text("", "radus = 0.01")), HasSubstr("did you mean \"radius\"?"));

@@ -119,7 +119,7 @@ TEST(LineSimulator, RunsTheModelWithFurtherNumbersAndEachOnce) {
   EXPECT_EQ(runs.made(), 0u);
 }
 
-TEST(LineSimulator, SaysWhyARunFailed) {
+TEST(LineSimulator, ReportsWhyARunFailed) {
   const LineSimulator simulator(line_case(pipe_text("[parameter.velocity]\nmin = 0\nmax = 100\n", "viscosity = 0\nfriction_factor = 0.9")));
   const RunRecord r = simulator.run(request_at(simulator.shape().parameters, std::vector{50.0}));
   EXPECT_FALSE(r.done);

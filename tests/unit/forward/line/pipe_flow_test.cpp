@@ -13,9 +13,12 @@ namespace {
 /// Water in 40 m of pipe, no friction, a valve that closes at once; rho a V = 625 kPa above 200 kPa.
 PipeSetup pipe() { return {.length = 40, .diameter = 0.02, .wave_speed = 1250, .density = 1000, .velocity = 0.5, .reservoir_pressure = 200e3, .cells = 32}; }
 
-TEST(PipeFlow, StaysSteadyWhileTheValveIsOpen) {
+TEST(PipeFlow, IsSteadyWhileTheValveIsOpen) {
   PipeSetup s = pipe();
-  s.viscosity = 1e-3, s.friction_factor = 0.03, s.rise = 2, s.closure_begin = 1;
+  s.viscosity = 1e-3;
+  s.friction_factor = 0.03;
+  s.rise = 2;
+  s.closure_begin = 1;
   PipeFlow flow(s, 0.5);
   const double valve = flow.pressure(32);
   EXPECT_NEAR(valve, 200e3 - 0.03 * 40 / 0.02 * 500 * 0.25 - 1000 * 9.80665 * 2, 1e-6);
@@ -38,7 +41,8 @@ TEST(PipeFlow, RefusesAStateThatIsNotSteady) {
 
 TEST(PipeFlow, ValveFollowsItsLawWhileItCloses) {
   PipeSetup s = pipe();
-  s.closure_time = 0.02, s.closure_exponent = 1.5;
+  s.closure_time = 0.02;
+  s.closure_exponent = 1.5;
   PipeFlow flow(s, 0.02);
   for (int i = 0; i < 15; ++i) {  // before anything has come back: p = p0 + rho a (V0 - V)
     flow.step();
@@ -89,7 +93,10 @@ double stored(const PipeFlow& flow, const PipeSetup& s) {
 
 /// Greatest error of the balance of liquid over the greatest volume of the cavities, in a second of column separation.
 double balance_error(PipeSetup s) {
-  s.vapour_pressure = -100e3, s.velocity = 1.4, s.closure_time = 0.009, s.rise = 2;
+  s.vapour_pressure = -100e3;
+  s.velocity = 1.4;
+  s.closure_time = 0.009;
+  s.rise = 2;
   PipeFlow flow(s, 1);
   const double begin = stored(flow, s);
   double flown = 0, most = 0, worst = 0;
@@ -102,7 +109,8 @@ double balance_error(PipeSetup s) {
       cavity += v;
     }
     for (std::size_t i = 1; i < flow.nodes(); ++i) EXPECT_GE(flow.pressure(i), -100e3 - 1e-9);
-    most = std::max(most, cavity), worst = std::max(worst, std::abs(stored(flow, s) - begin - flown));
+    most = std::max(most, cavity);
+    worst = std::max(worst, std::abs(stored(flow, s) - begin - flown));
   }
   EXPECT_GT(most, 1e-6);
   return worst / most;
@@ -113,8 +121,10 @@ TEST(PipeFlow, KeepsTheLiquidWhileCavitiesOpenAndClose) {
   EXPECT_LT(balance_error(s), 1e-10);
   s.gas_fraction = 1e-7;
   EXPECT_LT(balance_error(s), 1e-3);  // the gas that is there from the beginning
-  s.gas_fraction = 0, s.viscosity = 1e-3,
-  s.friction_factor = 0.024;  // friction takes from a characteristic where it leaves and where it arrives: to first order in the step
+  // friction takes from a characteristic where it leaves and where it arrives: to first order in the step
+  s.gas_fraction = 0;
+  s.viscosity = 1e-3;
+  s.friction_factor = 0.024;
   const double coarse = balance_error(s);
   s.cells = 128;
   EXPECT_LT(coarse, 1e-3);
@@ -123,7 +133,9 @@ TEST(PipeFlow, KeepsTheLiquidWhileCavitiesOpenAndClose) {
 
 TEST(PipeFlow, GasCavitiesFollowBoylesLaw) {
   PipeSetup s = pipe();
-  s.vapour_pressure = -100e3, s.gas_fraction = 1e-6, s.velocity = 1.0;
+  s.vapour_pressure = -100e3;
+  s.gas_fraction = 1e-6;
+  s.velocity = 1.0;
   PipeFlow flow(s, 0.5);
   const double gas = flow.cavity()[9] * (flow.pressure(9) + 100e3);
   double least = 1e9, greatest = -1e9;
@@ -131,7 +143,8 @@ TEST(PipeFlow, GasCavitiesFollowBoylesLaw) {
     flow.step();
     EXPECT_NEAR(flow.cavity()[9] * (flow.pressure(9) + 100e3) / gas, 1, 1e-6);
     EXPECT_GT(flow.pressure(9), -100e3);
-    least = std::min(least, flow.pressure(9)), greatest = std::max(greatest, flow.pressure(9));
+    least = std::min(least, flow.pressure(9));
+    greatest = std::max(greatest, flow.pressure(9));
   }
   EXPECT_LT(least, -95e3);
   EXPECT_GT(greatest, 500e3);
@@ -170,7 +183,9 @@ std::complex<double> measured_rate(const PipeSetup& s, double frequency, int fir
 
 TEST(PipeFlow, LaminarFrictionDampsAtSixteenNuOverDSquared) {
   PipeSetup s = pipe();
-  s.viscosity = 0.02, s.velocity = 0.1, s.cells = 64;
+  s.viscosity = 0.02;
+  s.velocity = 0.1;
+  s.cells = 64;
   const double rate = 16 * s.viscosity / s.density / (s.diameter * s.diameter);
   const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + 2 * rate / z; });
   EXPECT_NEAR(exact.real(), -rate, 1e-6);
@@ -182,7 +197,10 @@ TEST(PipeFlow, LaminarFrictionDampsAtSixteenNuOverDSquared) {
 TEST(PipeFlow, UnsteadyFrictionDampsAsItsLinearTheory) {
   // rho V_t (1 + 2 (s T + B)^-1/2) with T = D^2 / 4 nu: the Laplace transform of the weighting function; with quasi-steady laminar friction beside it.
   PipeSetup s = pipe();
-  s.viscosity = 0.01, s.velocity = 0.1, s.cells = 128, s.unsteady_friction = 1;
+  s.viscosity = 0.01;
+  s.velocity = 0.1;
+  s.cells = 128;
+  s.unsteady_friction = 1;
   const double nu = s.viscosity / s.density, T = s.diameter * s.diameter / (4 * nu), steady = 32 * nu / (s.diameter * s.diameter);
   const auto law = [&](double share) { return [=](std::complex<double> z) { return 1.0 + steady / z + share * 2.0 / std::sqrt(z * T + 210.08); }; };
   const auto exact = slowest_rate(s, law(1)), without = slowest_rate(s, law(0));
@@ -193,7 +211,8 @@ TEST(PipeFlow, UnsteadyFrictionDampsAsItsLinearTheory) {
 
 TEST(PipeFlow, RetardedWallDampsAsItsLinearTheory) {
   PipeSetup s = pipe();
-  s.retarded_compliance = 0.05, s.cells = 128;
+  s.retarded_compliance = 0.05;
+  s.cells = 128;
   for (const double tau : {0.005, 0.02, 0.1}) {
     s.retardation_time = tau;
     const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + s.retarded_compliance / (1.0 + z * tau); });

@@ -50,7 +50,7 @@ TEST(PochhammerChree, FirstModeIsFollowedForAnyPoissonsRatio) {
   EXPECT_NEAR(PochhammerChreeMode(0.001, 25).speed(25), 1, 1e-3);  // the corner at 1.84 is passed
 }
 
-// A fit begins at a ratio of 0, and a record in steps of 50 ns on a thick bar asks for Omega of some hundreds, where the Bessel functions overflow.
+// A fit begins at a ratio of 0, and a record in steps of 50 ns on a thick bar requests Omega of some hundreds, where the Bessel functions overflow.
 TEST(PochhammerChree, FirstModeIsFollowedFromTheSmallestRatioToTheHighestFrequency) {
   for (const double nu : {0.001, 0.002, 0.005, 0.01, 0.012, 0.014, 0.016, 0.018})
     EXPECT_LT(PochhammerChreeMode(nu, 80).speed(80), 1.001) << nu;  // of the smallest the corner at 1.84 is passed

@@ -37,7 +37,7 @@ TEST(Signal, ReadsTheColumnBelowAHeaderOfWords) {
   EXPECT_EQ(s.end(), 1.5);
 }
 
-TEST(Signal, TellsFileAndLineOfWhatIsWrong) {
+TEST(Signal, ReportsFileAndLineOfAMistake) {
   EXPECT_THAT(error_of("0,1\n1,2\n2,3\n3.3,4\n4,5\n"), HasSubstr("signal.txt:4"));
   EXPECT_THAT(error_of("0,1\n1,2\n2,3\n3.3,4\n4,5\n"), HasSubstr("not evenly spaced"));
   EXPECT_EQ(error_of("0,1\n1,2\n2,3\n3.3,4\n4,5\n", 2, 1.0), "");  // the interval is given: printed times are not read

@@ -29,7 +29,9 @@ Drive drive(const Riemer& law, Path strain, double end, int steps) {
     const double p = law.pressure(p0, e, rate), q = law.elastic_pressure(p0, e);
     d.work -= 0.5 * (p + p_before) * (e - before);
     d.dissipated -= 0.5 * ((p - q) + (p_before - q_before)) * (e - before);
-    before = e, p_before = p, q_before = q;
+    before = e;
+    p_before = p;
+    q_before = q;
   }
   return d;
 }
@@ -98,7 +100,7 @@ TEST(LiquidLaws, MakeTheLawFromItsOptions) {
   EXPECT_LT(linear.pressure(0, 1e-2, 0), -1e8);
 }
 
-TEST(LiquidLaws, AnswerAnUnknownNameWithTheKnownOnes) {
+TEST(LiquidLaws, RefuseAnUnknownNameWithTheKnownOnes) {
   try {
     (void)liquid_laws().get("reimer", "material.mercury.law");
     FAIL();

@@ -109,7 +109,7 @@ TEST(BeamProfile, AHalfModelRefusesABeamBesideItsPlane) {
 }
 
 // A diagnosis of a model with a symmetry plane screens no change that the model would refuse: a half model, and any mesh with a mirror plane.
-TEST(BeamProfile, IsNotAskedForAnOffsetAcrossAMirrorPlane) {
+TEST(BeamProfile, IsNotScreenedForAnOffsetAcrossAMirrorPlane) {
   const auto numbers = [](const Mesh& mesh) {
     std::vector<std::string> names;
     for (const auto& g : offered_groups(box(false, ""), mesh))
@@ -170,7 +170,7 @@ TEST(BeamProfile, APulseThatIsNotSetFollowsTheLoad) {
   c.set_number("load.pulse_length", 0.5e-6);
   EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.5e-6);
   EXPECT_EQ(c.active_mechanisms().at(0).values["pulse_length"], 0.5e-6);
-  // Control: a length of the mechanism itself stays.
+  // Control: a length of the mechanism itself remains.
   c.set_number("mechanism.beam_profile.pulse_length", 0.9e-6);
   c.set_number("load.pulse_length", 0.6e-6);
   EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.9e-6);

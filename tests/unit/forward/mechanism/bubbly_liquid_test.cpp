@@ -7,7 +7,7 @@ using namespace calomel;
 using namespace calomel::testing;
 using ::testing::HasSubstr;
 
-TEST(BubblyLiquid, StaysAtRest) {
+TEST(BubblyLiquid, RemainsAtRest) {
   const BubblyLiquid law(mercury, helium(1.16), 1e-3);
   OnePoint point(law, 1e-7);
   for (int n = 0; n < 1000; ++n) ASSERT_EQ(point.step(0), 0);
@@ -29,7 +29,8 @@ TEST(BubblyLiquid, IsOfSecondOrderInTheStep) {
   };
   const auto a = run(2e-7), b = run(1e-7), c = run(5e-8), exact = run(2.5e-9);
   const double order = std::log2((b.first - exact.first) / (c.first - exact.first));
-  measured("order_of_radius", order), measured("radius_error_at_200_ns", a.first / exact.first - 1);
+  measured("order_of_radius", order);
+  measured("radius_error_at_200_ns", a.first / exact.first - 1);
   EXPECT_NEAR(order, 2, 0.35);
 }
 
@@ -75,9 +76,11 @@ TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
       std::vector<KellerMiksis::State> exact;
       for (std::size_t i = 0; i < count; ++i) {
         const bool rest = i % 5 == 4, violent = i % 3 == 1;
-        state[i] = rest ? r0 : (violent ? 0.3 : random.uniform(0.5, 3)) * r0, state[count + i] = rest ? 0 : violent ? -60 : random.uniform(-5, 5);
+        state[i] = rest ? r0 : (violent ? 0.3 : random.uniform(0.5, 3)) * r0;
+        state[count + i] = rest ? 0 : violent ? -60 : random.uniform(-5, 5);
         state[2 * count + i] = rest ? 0 : random.uniform(0, 5e5);
-        before[i] = rest ? 0 : random.uniform(-1e-5, 1e-4), strain[i] = rest ? 0 : before[i] + random.uniform(-1e-5, 1e-5),
+        before[i] = rest ? 0 : random.uniform(-1e-5, 1e-4);
+        strain[i] = rest ? 0 : before[i] + random.uniform(-1e-5, 1e-5);
         heating[i] = rest ? 0 : state[2 * count + i] + random.uniform(0, 1e5);
         exact.push_back({state[i], state[count + i]});
       }
@@ -97,7 +100,8 @@ TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
   }
   // Control: with sub-steps half as long the collapses end elsewhere, by much more than rounding.
   KellerMiksis::State once{0.3 * reference.bubble.radius, -60}, finer = once;
-  once = under(reference.bubble, once, 0, 2e-7), finer = under(reference.bubble, finer, 0, 2e-7, 2e-9);
+  once = under(reference.bubble, once, 0, 2e-7);
+  finer = under(reference.bubble, finer, 0, 2e-7, 2e-9);
   EXPECT_GT(std::abs(once.radius / finer.radius - 1), 1e-8);
 }
 

@@ -29,7 +29,8 @@ TEST(CavitationKinetics, WithoutTimesItIsRiemersLaw) {
     const double t = n * dt, e = strain_at(t), p0 = 5e6 * std::min(1.0, t / 7e-7), exact = riemer.pressure(p0, e, (e - strain_at(t - dt)) / dt);
     const double scale = k * 5e-4;
     EXPECT_NEAR(a.step(e, p0), exact, 1e-12 * scale);
-    growing = std::max(growing, std::abs(b.step(e, p0) - exact) / scale), closing = std::max(closing, std::abs(c.step(e, p0) - exact) / scale);
+    growing = std::max(growing, std::abs(b.step(e, p0) - exact) / scale);
+    closing = std::max(closing, std::abs(c.step(e, p0) - exact) / scale);
     open += exact == -cutoff;
   }
   EXPECT_GT(open, 100);
@@ -70,13 +71,17 @@ TEST(CavitationKinetics, GrowthAndCollapseDissipate) {
     for (int n = 1; n <= 5000; ++n) {
       const double e = 2e-4 * std::pow(std::sin(M_PI * n / 5000.0), 2), p = point.step(e), now = point.state(0);
       EXPECT_GE(-(p + cutoff) * (now - alpha), 0);
-      done -= 0.5 * (p + p_before) * (e - before), lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
-      before = e, p_before = p, alpha = now;
+      done -= 0.5 * (p + p_before) * (e - before);
+      lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
+      before = e;
+      p_before = p;
+      alpha = now;
     }
     for (int n = 0; n < 400000; ++n) {  // until the void is closed
       const double p = point.step(0), now = point.state(0);
       lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
-      p_before = p, alpha = now;
+      p_before = p;
+      alpha = now;
     }
     EXPECT_NEAR(lost, done, 2e-3 * std::max(done, 1e-3 * k * 4e-8));
     return done / (0.5 * k * 4e-8);
@@ -104,7 +109,9 @@ TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
   const auto moving = [&](double velocity, double gap, double parting, double meeting) {
     RunSetup s = linear_setup(1.2e-5, 1.2e-5 / 200);
     for (const bool m : mercury) s.initial_velocity.push_back({m ? velocity : 0, 0, 0}), s.initial_displacement.push_back({m ? -gap : 0, 0, 0});
-    s.wetted_cutoff = hold, s.parting_time = parting, s.meeting_time = meeting;
+    s.wetted_cutoff = hold;
+    s.parting_time = parting;
+    s.meeting_time = meeting;
     return s;
   };
   const auto rate = [](const SolveSummary& out, std::size_t row) {
@@ -118,9 +125,11 @@ TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
   for (const char* precision : {"double", "single"})
     for (const std::size_t runs : {1, 8}) {
       SolveOptions o;
-      o.precision = precision, o.energy_balance = runs == 1;
+      o.precision = precision;
+      o.energy_balance = runs == 1;
       RunSetup off = moving(-v, 0, tau, 0), on = moving(v, 1e-4, 0, tau);
-      off.energies.assign(runs, 1.0), on.energies.assign(runs, 1.0);
+      off.energies.assign(runs, 1.0);
+      on.energies.assign(runs, 1.0);
       const auto apart = solver.solve(off, rows, o), together = solver.solve(on, rows, o);
       EXPECT_NEAR(rate(apart, 0), -pull / z_s, 0.01 * v) << precision << runs;
       EXPECT_NEAR(rate(apart, 1), -v + pull / z_m, 0.01 * v) << precision << runs;
@@ -178,7 +187,8 @@ TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
     EXPECT_NEAR(early, 1e-6 * std::sqrt(2 * tension / (3 * mercury_density)), 2e-3 * early);
     EXPECT_NEAR(half, time_to(0.5 * std::cbrt(x)), 1e-3 * half + 2 * dt);
     EXPECT_NEAR(whole, time_to(std::cbrt(x)), 0.02 * whole + 2 * dt);
-    measured("half_grown_us", 1e6 * half), measured("grown_us", 1e6 * whole);
+    measured("half_grown_us", 1e6 * half);
+    measured("grown_us", 1e6 * whole);
     // The void closes under a constant pressure P - sigma_c far above its own. The radius falls at sqrt(2 P/(3 rho)), and the equation of state holds again.
     double closed = 0;
     const double start = a * point.state(0), pushed = -3e-3;
@@ -200,7 +210,8 @@ TEST(CavitationKinetics, NucleiDissipate) {
   for (int n = 1; n <= 20000; ++n) {
     const double p = point.step(2e-4 * std::pow(std::sin(M_PI * n / 5000.0), 2)), now = std::pow(point.state(0), 3);
     EXPECT_GE(-(p + cutoff) * (now - alpha), -1e-9 * k * 4e-8);
-    lost -= (p + cutoff) * (now - alpha), alpha = now;
+    lost -= (p + cutoff) * (now - alpha);
+    alpha = now;
   }
   EXPECT_GT(lost, 0.05 * k * 4e-8);
 }
@@ -239,11 +250,15 @@ TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
     return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\nnuclei_spacing = " + spacing + "\n")));
   };
   const double dense = nucleated("1e-9"), sparse = nucleated("2e-3");
-  measured("nuclei_1_nm_apart", dense), measured("nuclei_2_mm_apart", sparse);
+  measured("nuclei_1_nm_apart", dense);
+  measured("nuclei_2_mm_apart", sparse);
   EXPECT_LT(dense, 1e-3);
   EXPECT_GT(sparse, 0.05);
   const double shortest = kinetic("1e-12"), short_time = kinetic("1e-9"), longer = kinetic("20e-6"), no_separation = away(histories(held));
-  measured("at_1_ps", shortest), measured("at_1_ns", short_time), measured("at_20_us", longer), measured("no_separation", no_separation);
+  measured("at_1_ps", shortest);
+  measured("at_1_ns", short_time);
+  measured("at_20_us", longer);
+  measured("no_separation", no_separation);
   EXPECT_LT(shortest, 1e-3);
   EXPECT_LT(short_time, 0.2 * no_separation);
   EXPECT_GT(longer, 0.05);

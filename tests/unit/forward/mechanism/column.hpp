@@ -30,7 +30,8 @@ struct Decay {
 /// ends are free, so k = n pi / length. The amplitude is that of the displacement and of the displacement a quarter period later.
 inline Decay decay(const Mesh& mesh, RunSetup s, double k, double w, int periods, int skip = 0) {
   const double quarter = M_PI / (2 * w);
-  s.output_interval = quarter, s.end = 4 * quarter * (skip + periods) + quarter;
+  s.output_interval = quarter;
+  s.end = 4 * quarter * (skip + periods) + quarter;
   s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * std::cos(k * x[0]), 0, 0}; });
   ObservationRow row;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) row.nodes.push_back(NodeId(n)), row.weights.push_back({std::cos(k * mesh.nodes[n][0]), 0, 0});

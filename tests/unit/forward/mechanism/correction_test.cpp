@@ -124,7 +124,8 @@ TEST(Correction, TermsOfAWallActOnItsNodes) {
 // Mercury with unlimited drag along the walls moves as if it shared their nodes. The energy balance closes with all terms of a wall.
 TEST(Correction, DragAlongWallsHoldsTheMercury) {
   ForwardCase closed = small_case();
-  closed.mercury.law = "linear", closed.geometry.wetted = "no_separation";
+  closed.mercury.law = "linear";
+  closed.geometry.wetted = "no_separation";
   const auto slipping = records(closed);
   ForwardCase dragged = closed, tied = closed;
   int n = 0;
@@ -166,7 +167,8 @@ TEST(Correction, GroupsCoverMercuryAndWalls) {
   for (const auto& g : groups) {
     ASSERT_EQ(g.added.size(), 1u);
     EXPECT_EQ(g.added[0].strengths.size(), 1u);
-    whole += g.place == "in all of the mercury", walls += g.name == "mass";
+    whole += g.place == "in all of the mercury";
+    walls += g.name == "mass";
     EXPECT_EQ(g.place.find("the side"), std::string::npos);  // a slice has no such part
   }
   EXPECT_EQ(whole, 6u);

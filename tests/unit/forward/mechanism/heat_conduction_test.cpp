@@ -26,7 +26,8 @@ Conduction conduction(double w, double radius, double ambient, double conducts =
 
 KellerMiksis bubble(double radius, double ambient, const Conduction& heat) {
   KellerMiksis b = helium(heat.polytropic, 0.47, heat.viscosity + 1.3e-3);
-  b.radius = radius, b.ambient = ambient;
+  b.radius = radius;
+  b.ambient = ambient;
   return b;
 }
 
@@ -57,7 +58,7 @@ TEST(HeatConduction, IsIsothermalWhenSlowAndAdiabaticWhenFast) {
   EXPECT_NEAR(conduction(1e11, 1e-4, 1e5).polytropic, ratio_of_heats, 0.002);
 }
 
-TEST(HeatConduction, IsWhatTheTableOfTheTheorySays) {
+TEST(HeatConduction, AgreesWithTheTableOfTheTheoryPage) {
   struct Row {
     double radius, ambient, kilohertz, polytropic, viscosity;
   };

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 // Taylor's plate (1941): a wave p0 exp(-t/theta) pushes a free plate of mass m an area until the mercury would pull. At that moment the plate moves with
 // (2 p0 theta / m) B^(B/(1-B)), B = rho c theta / m. Over a face without strength it keeps that velocity; a face that holds pulls it back.
-TEST(Interface, APlateThatNothingPullsBackKeepsItsVelocity) {
+TEST(Interface, AFreePlateKeepsItsVelocity) {
   const double thickness = 0.008, theta = 20e-6, p0 = 1e6, m = steel_density * thickness, c = mercury_speed, b = mercury_density * c * theta / m;
   Mesh mesh = block({1200 + 32, 1, 1}, {-0.3, 0, 0}, {thickness, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
   fix(mesh, 2 | 4, everywhere());
@@ -81,7 +81,8 @@ TEST(Interface, OnlyTheNamedStretchIsWeak) {
     }
     EXPECT_EQ(a.slip_strength[i], 5e4);
     EXPECT_EQ(a.slip_hold[i], 0);
-    whole += share > 1 - 1e-9, parts += share > 1e-9 && share < 1 - 1e-9;
+    whole += share > 1 - 1e-9;
+    parts += share > 1e-9 && share < 1 - 1e-9;
   }
   EXPECT_GT(whole, 4);
   EXPECT_GT(parts, 1);
@@ -106,7 +107,7 @@ TEST(Interface, AFaceStrongerThanTheMercuryIsTheBaseModel) {
   EXPECT_NE(histories(table + "strength = 1.0e5\n"), histories(""));
 }
 
-TEST(Interface, WhatCannotOpenIsAnErrorThatSaysSo) {
+TEST(Interface, AFaceThatCannotOpenIsAnError) {
   const auto message = [](const std::string& lines, const char* wetted = "slip") {
     ForwardCase c = small_case(weak(lines));
     c.geometry.wetted = wetted;

@@ -93,14 +93,16 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
     return worst / moved.back();
   };
   const double own = error(m), linear = error(1), tait = error(m - 2);
-  measured("error_of_the_wave", own), measured("of_a_linear_liquid", linear), measured("of_tait_s_exponent", tait);
+  measured("error_of_the_wave", own);
+  measured("of_a_linear_liquid", linear);
+  measured("of_tait_s_exponent", tait);
   EXPECT_LT(own, 2e-4);
   EXPECT_GT(linear, 0.03);
   EXPECT_GT(tait, 0.005);
 }
 
 // In a case the step follows the stiffness, two laws of the liquid are refused, and at the default exponent no function of the mechanism is called.
-TEST(NonlinearEos, ACaseTellsItsGreatestPressure) {
+TEST(NonlinearEos, ACaseReportsItsGreatestPressure) {
   const auto c = small_case("[mechanism.nonlinear_eos]\nenabled = true\nexponent = 10.8\n");
   const BuiltInModel model(c, {.pulses = 1});
   const RunSetup s = model.setup(model.forward_case(), model.mesh(), 0, {0.9, 1.1});

@@ -10,7 +10,7 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// The motion is a constant, a tone of 2 kHz and one of 60 kHz. The mean of all samples removes the first, the low pass the last, and the tone of 2 kHz stays
+// The motion is a constant, a tone of 2 kHz and one of 60 kHz. The mean of all samples removes the first, the low pass the last, and the tone of 2 kHz remains
 // whole, in displacement and velocity alike.
 TEST(LeftStates, AreFreeMotionWithoutHighTones) {
   LeftStates left(1e-3, 1e-6);
@@ -28,7 +28,8 @@ TEST(LeftStates, AreFreeMotionWithoutHighTones) {
   double mean = 0, mean_rate = 0;
   for (const double t : left.times()) {
     EXPECT_GT(t, 1e-3);
-    mean += std::sin(slow * t) / LeftStates::count, mean_rate += slow * std::cos(slow * t) / LeftStates::count;
+    mean += std::sin(slow * t) / LeftStates::count;
+    mean_rate += slow * std::cos(slow * t) / LeftStates::count;
   }
   for (std::size_t k = 0; k < states.size(); ++k) {
     const double t = left.times()[k];
@@ -121,11 +122,13 @@ TEST(PreviousPulses, TheRunGoesOnWithWhatAPulseHasLeft) {
       EXPECT_EQ(added[g * times], 0);
       for (std::ptrdiff_t i = half + 1; i + half < std::ptrdiff_t(times); ++i) {
         const double change = smooth(added.data() + g * times, i) - smooth(added.data() + g * times, half);
-        off += std::pow(change - (expected(g, k, i) - expected(g, k, half)), 2),
-            other += std::pow(change - (expected(g, k + 1, i) - expected(g, k + 1, half)), 2), sum += change * change;
+        off += std::pow(change - (expected(g, k, i) - expected(g, k, half)), 2);
+        other += std::pow(change - (expected(g, k + 1, i) - expected(g, k + 1, half)), 2);
+        sum += change * change;
       }
     }
-    measured("off", std::sqrt(off / sum)), measured("by_another_state", std::sqrt(other / sum));
+    measured("off", std::sqrt(off / sum));
+    measured("by_another_state", std::sqrt(other / sum));
     EXPECT_LT(off, 0.05 * 0.05 * sum);
     EXPECT_GT(other, 0.5 * 0.5 * sum);
   }

@@ -36,8 +36,8 @@ TEST(RearReflection, APlanePulseComesBackWithTheCoefficient) {
   }
 }
 
-// Liquid that is heated evenly pushes on the rear with its pressure only, so that everything stays at rest for any r.
-TEST(RearReflection, UniformlyHeatedMercuryStaysAtRest) {
+// Liquid that is heated evenly pushes on the rear with its pressure only, so that everything remains at rest for any r.
+TEST(RearReflection, UniformlyHeatedMercuryRemainsAtRest) {
   Mesh mesh = column(50, length, Region::mercury);
   fix(mesh, 1, plane(0, 0));
   mesh.rear = faces_at(mesh, 0, length);

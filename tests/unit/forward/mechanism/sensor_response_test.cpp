@@ -30,7 +30,7 @@ std::vector<double> sine(double f, std::size_t n) {
 }  // namespace
 
 // 1 / (1 + i sqrt(2) f/f0 - (f/f0)^2), a Butterworth filter of second order.
-TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
+TEST(SensorResponse, TheLowPassFollowsItsFormulaForASine) {
   const double cutoff = 50e3;
   for (const double f : {10e3, 50e3, 150e3}) {
     const auto y = respond({{"low_pass", cutoff}}, sine(f, 6000));
@@ -38,7 +38,8 @@ TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
     Eigen::VectorXd right = Eigen::VectorXd::Zero(2);
     for (std::size_t k = 4000; k < y.size(); ++k) {
       const Eigen::Vector2d a(std::sin(2 * M_PI * f * double(k) * interval), std::cos(2 * M_PI * f * double(k) * interval));
-      normal += a * a.transpose(), right += y[k] * a;
+      normal += a * a.transpose();
+      right += y[k] * a;
     }
     const Eigen::Vector2d got = solve_symmetric(normal, right);
     const double x = f / cutoff, re = 1 - x * x, im = std::sqrt(2) * x, size = re * re + im * im;
@@ -47,7 +48,7 @@ TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
   }
 }
 
-TEST(SensorResponse, TheLowPassAnswersAStepAsItsFormulaSays) {
+TEST(SensorResponse, TheLowPassFollowsItsFormulaForAStep) {
   const double cutoff = 50e3, a = 2 * M_PI * cutoff / std::numbers::sqrt2;
   const auto y = respond({{"low_pass", cutoff}}, std::vector<double>(600, 1.0));
   for (std::size_t k = 0; k < y.size(); ++k) {
@@ -69,7 +70,12 @@ TEST(SensorResponse, DelayGainAndOffset) {
 // A gauge that is turned towards normal x direction and has a transverse sensitivity reads exactly m.E.m + k n.E.n in a uniform strain.
 TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.08, g.width = 0.06, g.height = 0.05, g.wall = 0.004, g.element_size = 0.004;
+  g.kind = "box";
+  g.length = 0.08;
+  g.width = 0.06;
+  g.height = 0.05;
+  g.wall = 0.004;
+  g.element_size = 0.004;
   const Mesh mesh = make_mesh(g);
   Eigen::Matrix3d gradient;
   gradient << 1.1, 0.3, -0.7, 0.2, -0.4, 0.5, 0.9, -0.6, 0.8;
@@ -79,7 +85,10 @@ TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
   for (const double gauge_length : {0.0, 0.008})
     for (const auto& [angle, k] : {std::pair{7.0, 0.0}, {-10.0, 0.03}, {0.0, -0.05}, {90.0, 0.0}}) {
       SensorOptions sensor;
-      sensor.name = "A", sensor.position = {0.04, 0.005, 0.05}, sensor.direction = {0.8, 0.6, 0}, sensor.gauge_length = gauge_length;
+      sensor.name = "A";
+      sensor.position = {0.04, 0.005, 0.05};
+      sensor.direction = {0.8, 0.6, 0};
+      sensor.gauge_length = gauge_length;
       const LocatedGauge gauge = locate_gauge(mesh, sensor);
       ObservationRow row{gauge.axial.nodes, gauge.axial.weights};
       entry.gauge(values_of(entry, {{"angle", angle}, {"transverse", k}}), gauge, row);
@@ -97,7 +106,7 @@ const std::string enabled = "[mechanism.sensor_response]\nenabled = true\n";
 
 }  // namespace
 
-// The table of one gauge overrides the keys that it names; the other keys stay common.
+// The table of one gauge overrides the keys that it names; the other keys remain common.
 TEST(SensorResponse, AGaugesOwnTableOverridesWhatItNames) {
   const auto base = strain("");
   const auto own = strain(enabled + "gain = 1.1\n[mechanism.sensor_response.T]\noffset = 1e-5\n");

@@ -33,7 +33,7 @@ TEST(StaticPressure, OnlyItsSumWithTheCutoffIsInTheMotion) {
   EXPECT_NE(histories(with(1e5, 3.5e5)), sum);
 }
 
-// The same holds where mercury meets a wall; a linear liquid stays linear.
+// The same holds where mercury meets a wall; a linear liquid remains linear.
 TEST(StaticPressure, ReachesWallsAndLeavesALinearLiquidAlone) {
   const auto setup_of = [](const ForwardCase& c) {
     const BuiltInModel model(c, {.pulses = 1});

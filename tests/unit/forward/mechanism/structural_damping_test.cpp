@@ -72,10 +72,18 @@ TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
 // In a target only the steel is damped, and the dissipation is counted.
 TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.03, g.wall = 0.003, g.plane_strain = true, g.rear = "wall", g.element_size = 0.0015;
+  g.kind = "box";
+  g.length = 0.06;
+  g.width = 0.05;
+  g.height = 0.03;
+  g.wall = 0.003;
+  g.plane_strain = true;
+  g.rear = "wall";
+  g.element_size = 0.0015;
   const Mesh mesh = make_mesh(g);
   ProfileOptions profile;
-  profile.center = {0, 0.015}, profile.widths = {1, 0.01};
+  profile.center = {0, 0.015};
+  profile.widths = {1, 0.01};
   RunSetup s = linear_setup(1e-4, 1e-4);
   for (const double v : heating_shape(mesh, profile).element) s.p0.push_back(25e6 * v);
   s.pulse_length = 0.7e-6;
@@ -103,7 +111,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
 }
 
 // The case keeps its own mass and stiffness damping. About a high frequency `loss` has the effect of a stiffness term without its cost in steps.
-TEST(StructuralDamping, ADiagnosisAsksForTheLossAboutAFrequency) {
+TEST(StructuralDamping, ADiagnosisScreensTheLossAboutAFrequency) {
   for (const auto& g : offered_groups(small_case(), make_mesh(small_case().geometry)))
     if (g.name == "structural_damping") {
       ASSERT_EQ(g.added.size(), 1u);

@@ -113,7 +113,10 @@ TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
 // The ends of plates that reach the rear end do not belong to its wall.
 TEST(WallThinning, LeavesTheEndsOfPlatesAlone) {
   GeometryOptions g;
-  g.kind = "jet_flow", g.half = true, g.rear = "wall", g.element_size = 0.012;
+  g.kind = "jet_flow";
+  g.half = true;
+  g.rear = "wall";
+  g.element_size = 0.012;
   const Mesh before = make_mesh(g);
   Mesh after = before;
   thin_wall(after, {.wall = "rear", .fraction = 0.1, .begin = -1, .end = 1});

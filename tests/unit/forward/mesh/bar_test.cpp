@@ -10,7 +10,8 @@ namespace {
 GeometryOptions bar(bool quarter) {
   GeometryOptions g;
   g.kind = "bar";
-  g.length = 0.1, g.radius = 0.01;
+  g.length = 0.1;
+  g.radius = 0.01;
   g.quarter = quarter;
   return g;
 }

@@ -13,7 +13,9 @@ namespace {
 GeometryOptions box(double element_size) {
   GeometryOptions g;
   g.kind = "box";
-  g.length = 0.08, g.width = 0.06, g.height = 0.05;
+  g.length = 0.08;
+  g.width = 0.06;
+  g.height = 0.05;
   g.wall = 0.003;
   g.walls.top = 0.004;
   g.element_size = element_size;

@@ -12,7 +12,9 @@ namespace {
 GeometryOptions box() {
   GeometryOptions g;
   g.kind = "box";
-  g.length = 0.06, g.width = 0.05, g.height = 0.05;
+  g.length = 0.06;
+  g.width = 0.05;
+  g.height = 0.05;
   g.wall = 0.004;
   g.element_size = 0.005;
   return g;

@@ -14,7 +14,9 @@ namespace {
 GeometryOptions half_box() {
   GeometryOptions g;
   g.kind = "box";
-  g.length = 0.05, g.width = 0.04, g.height = 0.03;
+  g.length = 0.05;
+  g.width = 0.04;
+  g.height = 0.03;
   g.wall = 0.004;
   g.element_size = 0.006;
   g.half = true;

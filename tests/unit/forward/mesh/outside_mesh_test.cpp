@@ -19,20 +19,32 @@ namespace {
 
 GeometryOptions box(double size) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.05, g.width = 0.04, g.height = 0.03, g.wall = 0.004, g.element_size = size;
+  g.kind = "box";
+  g.length = 0.05;
+  g.width = 0.04;
+  g.height = 0.03;
+  g.wall = 0.004;
+  g.element_size = size;
   return g;
 }
 
 std::vector<std::pair<std::string, GeometryOptions>> targets() {
   std::vector<std::pair<std::string, GeometryOptions>> all{
       {"full", box(0.005)}, {"half", box(0.005)}, {"plane_strain", box(0.002)}, {"tied", box(0.005)}, {"closed", box(0.005)}};
-  all[1].second.half = true, all[2].second.plane_strain = true, all[3].second.wetted = "tied", all[4].second.rear = "wall";
+  all[1].second.half = true;
+  all[2].second.plane_strain = true;
+  all[3].second.wetted = "tied";
+  all[4].second.rear = "wall";
   all[4].second.wall_elements = 3;
   GeometryOptions jet;
-  jet.kind = "jet_flow", jet.element_size = 0.012, jet.half = true;
+  jet.kind = "jet_flow";
+  jet.element_size = 0.012;
+  jet.half = true;
   all.emplace_back("jet_flow", jet);
   GeometryOptions bar;
-  bar.kind = "bar", bar.radius = 0.01, bar.length = 0.05;
+  bar.kind = "bar";
+  bar.radius = 0.01;
+  bar.length = 0.05;
   all.emplace_back("bar", bar);
   bar.quarter = false;
   all.emplace_back("whole_bar", bar);
@@ -41,7 +53,10 @@ std::vector<std::pair<std::string, GeometryOptions>> targets() {
 
 GeometryOptions from(const std::filesystem::path& path, const std::string& wetted = "slip") {
   GeometryOptions g;
-  g.kind = "mesh", g.file = path.filename().string(), g.folder = path.parent_path(), g.wetted = wetted;
+  g.kind = "mesh";
+  g.file = path.filename().string();
+  g.folder = path.parent_path();
+  g.wetted = wetted;
   return g;
 }
 
@@ -64,7 +79,10 @@ void expect_same(const Mesh& a, const Mesh& b, double tolerance = 0) {
   EXPECT_EQ(a.plane_strain, b.plane_strain);
   EXPECT_EQ(a.liquid_element_size, b.liquid_element_size);
   EXPECT_EQ(a.quality.least_wall_elements, b.quality.least_wall_elements);
-  expect_same_faces(a.outer, b.outer), expect_same_faces(a.wetted, b.wetted), expect_same_faces(a.rear, b.rear), expect_same_faces(a.loaded, b.loaded);
+  expect_same_faces(a.outer, b.outer);
+  expect_same_faces(a.wetted, b.wetted);
+  expect_same_faces(a.rear, b.rear);
+  expect_same_faces(a.loaded, b.loaded);
   ASSERT_EQ(a.slip.size(), b.slip.size());
   std::map<NodeId, SlipPair> pair;  // the order of the pairs is free
   for (const auto& p : a.slip) pair[p.steel] = p;
@@ -108,7 +126,8 @@ std::string column() {
 GeometryOptions column_options(const std::string& name, const std::string& text) {
   std::ofstream(scratch_file(name)) << text;
   GeometryOptions g = from(scratch_file(name));
-  g.sets.symmetry_x = {"ends"}, g.sets.symmetry_y = {"SIDES"};
+  g.sets.symmetry_x = {"ends"};
+  g.sets.symmetry_y = {"SIDES"};
   return g;
 }
 
@@ -231,7 +250,8 @@ TEST(OutsideMesh, LongIntegersAndSetsWithoutNames) {
   ex_close(id);
   GeometryOptions g = from(path);
   EXPECT_THAT(message_of(g), HasSubstr("block_5000000000"));
-  g.sets.steel = {"block_5000000000"}, g.sets.loaded = {"side_set_7"};
+  g.sets.steel = {"block_5000000000"};
+  g.sets.loaded = {"side_set_7"};
   const Mesh m = make_mesh(g);
   ASSERT_EQ(m.loaded.size(), 1u);
   EXPECT_NEAR(hexahedron::centre(m, m.loaded[0]).x(), 0, 1e-15);
@@ -277,14 +297,15 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
   const auto last = text.find("\n9, 25") + 1;
   text.erase(last, text.find("*ELEMENT", last) == std::string::npos ? text.find("*ELSET", last) - last : text.find("*ELEMENT", last) - last);
   text = with(text, "1, 9, 2", "1, 7, 2");
-  text = with(text, "3, 36, 3", "3, 30, 3"), text = with(text, "1, 34, 3", "1, 28, 3");
+  text = with(text, "3, 36, 3", "3, 30, 3");
+  text = with(text, "1, 34, 3", "1, 28, 3");
   const auto said = message_of(column_options("thin.inp", text));
   EXPECT_THAT(said, HasSubstr("one element through a wall"));
   EXPECT_THAT(said, HasSubstr("thin.inp:"));
 }
 
-TEST(OutsideMesh, TheFormatIsToldByTheEnding) {
+TEST(OutsideMesh, TheFormatFollowsFromTheEnding) {
   EXPECT_THAT(message_of(from(scratch_file("target.msh"))), HasSubstr(".inp"));
-  EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("no such file"));
+  EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("does not exist"));
   EXPECT_THROW(write_mesh(make_mesh(box(0.01)), scratch_file("target.vtk")), InputError);
 }

@@ -13,7 +13,9 @@ namespace {
 GeometryOptions box(double element_size) {
   GeometryOptions g;
   g.kind = "box";
-  g.length = 0.08, g.width = 0.06, g.height = 0.05;
+  g.length = 0.08;
+  g.width = 0.06;
+  g.height = 0.05;
   g.wall = 0.003;
   g.element_size = element_size;
   return g;
@@ -91,7 +93,7 @@ TEST(Gauge, ElementCentreStrainIsExactInALinearDisplacement) {
 }
 
 // For u_x = sin(kx) the strain over a length l is the finite difference over l, to second order in the element size.
-TEST(Gauge, ConvergesToTheSecantOverItsLength) {
+TEST(Gauge, ConvergesToTheMeanStrainOverItsLength) {
   const double k = 60, x = 0.0407, l = 0.006;
   std::vector<double> error, point_error;
   for (const double h : {0.004, 0.002, 0.001}) {
@@ -151,7 +153,7 @@ TEST(Gauge, OnAPlaneStrainSliceIgnoresY) {
   }
 }
 
-TEST(Gauge, IsMovedToTheSurfaceAndSaysHowFar) {
+TEST(Gauge, IsMovedToTheSurfaceAndReportsTheDistance) {
   const Mesh m = make_mesh(box(0.004));
   const auto g = locate_gauge(m, sensor({0.03, 0.01, 0.052}, {1, 0, 0.1}));
   EXPECT_NEAR(g.distance, 0.002, 1e-12);
@@ -180,7 +182,8 @@ TEST(Gauge, IsExactOnACurvedNoseToo) {
 TEST(Gauge, OfAQuarterBarIsMirroredInBothPlanes) {
   GeometryOptions options;
   options.kind = "bar";
-  options.length = 0.05, options.radius = 0.01;
+  options.length = 0.05;
+  options.radius = 0.01;
   const Mesh m = make_mesh(options);
   // The field is symmetric about both planes: u_x even, u_y odd in y, u_z odd in z.
   std::vector<Vec3> u;

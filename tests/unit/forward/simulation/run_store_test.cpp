@@ -94,7 +94,7 @@ TEST(RunStore, ARecordServesEveryRequestThatItCovers) {
   }
 }
 
-TEST(RunStore, AnAnswerThatDidNotComeIsNotKept) {
+TEST(RunStore, AMissingResponseIsNotKept) {
   const auto path = scratch("run_store_lost") / "runs.journal";
   {
     RunStore store(of_test, path);
@@ -165,7 +165,7 @@ TEST(RunStore, ReadsJournalsOfTheFirstVersion) {
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".rewritten"));
 }
 
-TEST(RunStore, AJournalOfTheFirstVersionOfAnotherCaseStaysAsItIs) {
+TEST(RunStore, AJournalOfTheFirstVersionOfAnotherCaseIsNotChanged) {
   const auto path = scratch("run_store_first_other") / "runs.journal";
   write_first_version(path, {{"number.a=1", of_mean(10)}});
   const auto before = std::filesystem::file_size(path);

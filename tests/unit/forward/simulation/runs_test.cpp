@@ -127,7 +127,7 @@ TEST(Runs, ProgressCountsTheRunsThatAreMade) {
   EXPECT_EQ(seen, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}, {1, 2}, {2, 2}}));
 }
 
-TEST(Runs, AnAnswerThatDidNotComeIsReportedAndNotRequestedAgainInThisLife) {
+TEST(Runs, AMissingResponseIsReportedAndNotRequestedAgainInThisCall) {
   const Quotient model;
   RunsInMemory runs(model);
   EXPECT_TRUE(runs->get(std::vector{run_of_size(99)})[0].lost);

@@ -37,16 +37,21 @@ struct Stopped {
 
   explicit Stopped(const std::string& name) : path(scratch_file(name)) {
     std::filesystem::remove(path);
-    setup.liquid.tensile_cutoff = 1.5e5, setup.liquid.viscosity = 2000, setup.collapse_viscosity = 0.1;
+    setup.liquid.tensile_cutoff = 1.5e5;
+    setup.liquid.viscosity = 2000;
+    setup.collapse_viscosity = 0.1;
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) setup.p0.push_back(mesh.region[e] == Region::mercury ? 1e6 * double(e % 11) : 0);
     setup.pulse_length = 0.7e-6;
-    setup.steel_mass_damping = 100, setup.steel_branches = {{0.05, 1e-6}, {0.02, 1e-5}};
+    setup.steel_mass_damping = 100;
+    setup.steel_branches = {{0.05, 1e-6}, {0.02, 1e-5}};
   }
   ~Stopped() { std::filesystem::remove(path); }
 
   [[nodiscard]] SolveOptions options(const std::string& precision, bool energy_balance) const {
     SolveOptions o;
-    o.precision = precision, o.energy_balance = energy_balance, o.subcycles = subcycles;
+    o.precision = precision;
+    o.energy_balance = energy_balance;
+    o.subcycles = subcycles;
     o.checkpoint = {.path = path, .every_seconds = 0, .identity = "this run", .before_saving = {}, .on_resume = {}};
     return o;
   }
@@ -90,10 +95,11 @@ TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
       }
 }
 
-TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
+TEST(Checkpoint, OfAFinishedRunGivesItsResultWithoutAStep) {
   Stopped s("kept");
   SolveOptions o = s.options("double", true);
-  o.checkpoint.every_seconds = 1e9, o.checkpoint.keep = true;
+  o.checkpoint.every_seconds = 1e9;
+  o.checkpoint.keep = true;
   int pictures = 0;
   o.field_interval = 7e-6;  // the step does not divide the end
   o.on_field = [&](const FieldSnapshot&) { ++pictures; };

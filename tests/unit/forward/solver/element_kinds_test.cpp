@@ -10,7 +10,8 @@ namespace {
 std::vector<double> histories(const ExplicitSolver& solver, const RunSetup& s, const std::vector<ObservationRow>& rows, const char* element,
                               const char* kinematics) {
   SolveOptions o;
-  o.steel_element = element, o.kinematics = kinematics;
+  o.steel_element = element;
+  o.kinematics = kinematics;
   return solver.solve(s, rows, o).observations;
 }
 
@@ -137,7 +138,7 @@ TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
     }
 }
 
-// A body that is turned as a whole has no stress and stays at rest. With small strain it would burst.
+// A body that is turned as a whole has no stress and remains at rest. With small strain it would burst.
 TEST(FiniteStrain, ARotatedBodyIsAtRest) {
   for (const bool liquid : {false, true})
     for (const double distortion : {0.0, 0.15}) {
@@ -164,7 +165,7 @@ TEST(FiniteStrain, ARotatedBodyIsAtRest) {
 
 // On a block that is stretched by far and turned, each face carries the exact traction: P N with P = F S, S = lambda tr(E) + 2 mu E, E = (F^T F - 1) / 2 in the
 // steel, and P = -p cof F, p = -K (det F - 1) in the liquid.
-TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockBearTheExactTraction) {
+TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockHaveTheExactTraction) {
   const double side = 0.006;
   const Eigen::Matrix3d stretch = (Eigen::Matrix3d() << 1.25, 0.05, 0, 0.05, 0.85, -0.04, 0, -0.04, 1.1).finished();
   const Eigen::Matrix3d f = Eigen::AngleAxisd(0.7, Eigen::Vector3d(2, -1, 1).normalized()).toRotationMatrix() * stretch, identity = Eigen::Matrix3d::Identity();

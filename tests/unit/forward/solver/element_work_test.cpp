@@ -10,7 +10,7 @@ namespace calomel {
 namespace {
 
 /// Operations counted by hand from the formulas of kernel_elements.hpp.
-TEST(ElementWork, IsWhatTheFormulasAskFor) {
+TEST(ElementWork, IsTheCountOfTheFormulas) {
   // Butterflies of eight values take 8 + 8 + 7 operations forwards and 6 + 8 + 8 back, and then 24 sums at the nodes.
   // A product with n terms takes n multiplications and n - 1 additions.
   const int to_modes = 3 * 23, to_corners = 3 * 22 + 24;
@@ -49,7 +49,13 @@ TEST(ElementWork, IsWhatTheFormulasAskFor) {
 
 TEST(ElementWork, OfAMeshIsTheMeanOfItsElementsAndTheirNodes) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.04, g.width = 0.04, g.height = 0.03, g.wall = 0.005, g.plane_strain = true, g.element_size = 0.0025;
+  g.kind = "box";
+  g.length = 0.04;
+  g.width = 0.04;
+  g.height = 0.03;
+  g.wall = 0.005;
+  g.plane_strain = true;
+  g.element_size = 0.0025;
   const Mesh mesh = make_mesh(g);
   const double steel = double(std::count(mesh.region.begin(), mesh.region.end(), Region::steel)) / double(mesh.region.size());
   ASSERT_GT(steel, 0.1);

@@ -38,7 +38,8 @@ TEST(HexGeometry, MeanGradientsAreDerivativesOfTheVolume) {
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 8; ++k) {
       Corners plus = x, minus = x;
-      plus(i, k) += 1e-4, minus(i, k) -= 1e-4;
+      plus(i, k) += 1e-4;
+      minus(i, k) -= 1e-4;
       EXPECT_NEAR(g.gradient(i, k), (volume(plus) - volume(minus)) / 2e-4 / g.volume, 1e-9 * g.gradient.norm());
     }
 }

@@ -12,7 +12,13 @@ using namespace calomel;
 namespace {
 Mesh box() {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.05, g.width = 0.04, g.height = 0.03, g.wall = 0.004, g.half = true, g.element_size = 0.002;
+  g.kind = "box";
+  g.length = 0.05;
+  g.width = 0.04;
+  g.height = 0.03;
+  g.wall = 0.004;
+  g.half = true;
+  g.element_size = 0.002;
   return make_mesh(g);
 }
 }  // namespace

@@ -32,13 +32,15 @@ Mesh target(bool distorted) {
       for (std::size_t c = 0; c < 3; ++c)
         if (x[c] > 1e-9 && x[2] < 0.0079) x[c] += 2e-4 * random.uniform(-1, 1);
   }
-  fix(m, 4, plane(2, 0)), fix(m, 1, plane(0, 0));
+  fix(m, 4, plane(2, 0));
+  fix(m, 1, plane(0, 0));
   return m;
 }
 
 RunSetup heated(const Mesh& mesh, double end) {
   RunSetup s = linear_setup(end, 1e-6);
-  s.liquid.tensile_cutoff = 1.5e5, s.liquid.viscosity = 2000;
+  s.liquid.tensile_cutoff = 1.5e5;
+  s.liquid.viscosity = 2000;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const double x = mesh.nodes[std::size_t(mesh.elements[e][0])][0];
     s.p0.push_back(mesh.region[e] == Region::mercury ? 20e6 * std::exp(-x / 0.005) : 0);
@@ -68,7 +70,9 @@ TEST(LiquidLaw, RiemersThroughTheSeamGivesTheBaseHistories) {
             RunSetup s = heated(mesh, 1.2e-5);
             if (runs > 1) s.energies = {0.9, 1.0, 1.1};
             SolveOptions o;
-            o.kinematics = kinematics, o.precision = precision, o.energy_balance = energy_balance;
+            o.kinematics = kinematics;
+            o.precision = precision;
+            o.energy_balance = energy_balance;
             const std::vector<ObservationRow> rows{component(nearest(mesh, {0.016, 0.006, 0.012}), 0), component(nearest(mesh, {0.008, 0, 0.008}), 2)};
             const auto base = solver.solve(s, rows, o);
             s.liquid_law = std::make_shared<RiemerAgain>(s.liquid);
@@ -135,7 +139,8 @@ TEST(LiquidLaw, NumbersOfThePlaceReachTheRightPoints) {
         s.liquid_law = std::make_shared<NumberOfThePlace>();
         int checked = 0;
         SolveOptions o;
-        o.precision = precision, o.field_interval = 2e-6;
+        o.precision = precision;
+        o.field_interval = 2e-6;
         o.on_field = [&](const FieldSnapshot& f) {
           if (f.time == 0) return;
           for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
@@ -158,8 +163,8 @@ namespace {
 /// p = p0 - f K e_v - eta de_v/dt, f times as stiff as the run's own K. The law reports its stiffness or, as a control, does not.
 class Stiffer : public LiquidLaw {
  public:
-  Stiffer(const Riemer& law, double factor, bool told) : law_(law), factor_(factor), told_(told) {}
-  [[nodiscard]] double greatest_stiffness() const override { return told_ ? factor_ * law_.bulk_modulus : 0; }
+  Stiffer(const Riemer& law, double factor, bool reported) : law_(law), factor_(factor), reported_(reported) {}
+  [[nodiscard]] double greatest_stiffness() const override { return reported_ ? factor_ * law_.bulk_modulus : 0; }
   void advance(const LiquidPoints& p) const override {
     for (std::size_t i = 0; i < p.count; ++i)
       p.pressure[i] = p.heating[i] - factor_ * law_.bulk_modulus * p.strain[i] - law_.viscosity * (p.strain[i] - p.strain_before[i]) / p.dt;
@@ -168,7 +173,7 @@ class Stiffer : public LiquidLaw {
  private:
   Riemer law_;
   double factor_;
-  bool told_;
+  bool reported_;
 };
 
 /// Tait's form without heat, p = (K/m) ((1 - e)^m - 1), which stiffens under compression. Its stiffness has no bound of its own; the law is defined down to
@@ -194,40 +199,46 @@ class Tait : public LiquidLaw {
 }  // namespace
 
 // A law that is stiffer than the run's bulk modulus, and reports it, runs like the same liquid with that bulk modulus, at the same step.
-TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
+TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawReports) {
   Mesh mesh = block({12, 2, 2}, {0, 0, 0}, {0.012, 0.002, 0.002}, Region::mercury);
-  fix(mesh, 1, plane(0, 0)), fix(mesh, 2, plane(1, 0)), fix(mesh, 4, plane(2, 0));
+  fix(mesh, 1, plane(0, 0));
+  fix(mesh, 2, plane(1, 0));
+  fix(mesh, 4, plane(2, 0));
   const ExplicitSolver solver(mesh, steel());
   const std::vector<ObservationRow> rows{component(nearest(mesh, {0.012, 0.002, 0.002}), 0)};
   for (const char* precision : {"double", "single"})
     for (const std::size_t runs : {1, 2}) {
       RunSetup s = linear_setup(4e-5, 1e-6);
-      s.liquid.viscosity = 500, s.energies.assign(runs, 1.0);
-      s.p0.assign(mesh.elements.size(), 1e6), s.pulse_length = 8e-6;
+      s.liquid.viscosity = 500;
+      s.energies.assign(runs, 1.0);
+      s.p0.assign(mesh.elements.size(), 1e6);
+      s.pulse_length = 8e-6;
       SolveOptions o;
       o.precision = precision;
       RunSetup same = s;
-      same.liquid.bulk_modulus *= 4, same.hourglass /= 4;
+      same.liquid.bulk_modulus *= 4;
+      same.hourglass /= 4;
       const auto reference = solver.solve(same, rows, o), base = solver.solve(s, rows, o);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, true);
-      const auto told = solver.solve(s, rows, o);
-      EXPECT_LE(told.time_step, reference.time_step * (1 + 1e-12));  // the bound of the damping is on the safe side
-      EXPECT_GT(told.time_step, 0.7 * reference.time_step);
+      const auto stiff = solver.solve(s, rows, o);
+      EXPECT_LE(stiff.time_step, reference.time_step * (1 + 1e-12));  // the bound of the damping is on the safe side
+      EXPECT_GT(stiff.time_step, 0.7 * reference.time_step);
       SolveOptions alike = o;
       alike.time_step_safety = 0.3;
       EXPECT_LT(greatest_difference(solver.solve(same, rows, alike), solver.solve(s, rows, alike)), 0.02);
       // Controls: the base liquid takes a longer step, and the same law is unstable at that step when it does not report its stiffness.
-      EXPECT_GT(base.time_step, 1.5 * told.time_step);
+      EXPECT_GT(base.time_step, 1.5 * stiff.time_step);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, false);
       EXPECT_THROW((void)solver.solve(s, rows, o), NumericsError);
     }
 }
 
 // A mass hits a column of one element: (rho V / 2) x'' = A p(x / h). At the greatest compression the stored energy is the energy of the mass.
-TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
+TEST(LiquidLaw, AStiffeningLiquidDeformsAccordingToItsEnergy) {
   const double h = 0.001, m = 10.8, speed = 100;
   Mesh mesh = block({1, 1, 1}, {0, 0, 0}, {h, h, h}, Region::mercury);
-  fix(mesh, 2 | 4, everywhere()), fix(mesh, 1, plane(0, 0));
+  fix(mesh, 2 | 4, everywhere());
+  fix(mesh, 1, plane(0, 0));
   const ExplicitSolver solver(mesh, steel());
   RunSetup s = linear_setup(0, 0);
   s.hourglass = 0;
@@ -239,7 +250,9 @@ TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
   const double expected = low, linear = std::sqrt(2 * energy / s.liquid.bulk_modulus);
   const auto greatest_compression = [&](const RunSetup& setup) {
     SolveOptions o;
-    o.time_step_safety = 0.03, o.every_step = true, o.energy_balance = true;
+    o.time_step_safety = 0.03;
+    o.every_step = true;
+    o.energy_balance = true;
     const auto out = solver.solve(setup, std::vector<ObservationRow>{component(nearest(mesh, {h, 0, 0}), 0)}, o);
     EXPECT_LT(out.energy_balance_error, 1e-9);
     EXPECT_LE(out.time_step, 0.03 * 2 / std::sqrt(2 * setup.liquid_stiffness() / setup.liquid_density) * h * (1 + 1e-9));

@@ -33,7 +33,8 @@ TEST(Profile, ItsAnalyticMaximumIsTheGreatestSample) {
   for (const double buildup : {0.0, 0.1, 1.5, 4.0})
     for (const double length : {0.005, 0.02, 0.2}) {
       ProfileOptions p;
-      p.buildup = buildup, p.buildup_length = length;
+      p.buildup = buildup;
+      p.buildup_length = length;
       double greatest = 0, shape = 0;
       for (double x = 0; x <= 0.6; x += 1e-5) {
         greatest = std::max(greatest, (1 + buildup * (1 - std::exp(-x / length))) * std::exp(-x / p.decay));
@@ -55,7 +56,12 @@ TEST(Profile, TransverseWidthsAreStandardDeviationsAndPlaneStrainDropsY) {
 
 TEST(HeatingShape, HeatsTheMercuryOnlyAndIntegratesTheProfile) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.08, g.width = 0.05, g.height = 0.04, g.wall = 0.004, g.element_size = 0.004;
+  g.kind = "box";
+  g.length = 0.08;
+  g.width = 0.05;
+  g.height = 0.04;
+  g.wall = 0.004;
+  g.element_size = 0.004;
   const Mesh mesh = make_mesh(g);
   ProfileOptions p;
   p.center = {0, 0.02};
@@ -73,7 +79,7 @@ TEST(HeatingShape, HeatsTheMercuryOnlyAndIntegratesTheProfile) {
 // Gamma = beta c^2 / c_p, 2.73 at the nominal values (physics.md section 2).
 TEST(Gruneisen, IsThePublishedValueAtNominal) { EXPECT_NEAR(gruneisen({}, 1450), 2.73, 0.01); }
 
-TEST(LoadOptions, AskForOneStrengthOfThePulse) {
+TEST(LoadOptions, RequireOneStrengthOfThePulse) {
   LoadOptions o;
   EXPECT_THROW(o.validate(), InputError);
   o.peak_pressure = 25e6;

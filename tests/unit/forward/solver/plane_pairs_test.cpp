@@ -19,11 +19,17 @@ namespace {
 /// A slice with walls round its mercury except at the rear, which is non-reflecting; `distorted`: no element is a parallelepiped.
 Mesh slice(bool distorted) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.03, g.width = 0.02, g.height = 0.02, g.wall = 0.004, g.plane_strain = true, g.element_size = 0.002;
+  g.kind = "box";
+  g.length = 0.03;
+  g.width = 0.02;
+  g.height = 0.02;
+  g.wall = 0.004;
+  g.plane_strain = true;
+  g.element_size = 0.002;
   Mesh mesh = make_mesh(g);
   for (auto& x : mesh.nodes) x[1] *= 5;  // so that the shortest edges lie in the plane, whether or not plane strain is declared
   if (!distorted) return mesh;
-  for (auto& x : mesh.nodes) {  // the same on both faces; nodes on a face stay in it
+  for (auto& x : mesh.nodes) {  // the same on both faces; nodes on a face remain in it
     const double bump = 6e-4 * std::sin(M_PI * x[0] / 0.03) * std::sin(M_PI * (x[2] - 0.004) / 0.012) * std::sin(M_PI * x[2] / 0.02);
     if (x[2] > 0.0041 && x[2] < 0.0159 && x[0] > 0.0041) x[0] += bump, x[2] -= 0.5 * bump;
   }
@@ -32,7 +38,9 @@ Mesh slice(bool distorted) {
 
 RunSetup pulse(const Mesh& mesh, double cutoff) {
   RunSetup s = linear_setup(6e-5, 1e-6);
-  s.liquid.viscosity = 500, s.pulse_length = 1e-6, s.energies = {0.98, 1, 1.03};
+  s.liquid.viscosity = 500;
+  s.pulse_length = 1e-6;
+  s.energies = {0.98, 1, 1.03};
   s.liquid.tensile_cutoff = s.wetted_cutoff = cutoff;
   for (const auto& e : mesh.elements) {
     const Vec3& x = mesh.nodes[std::size_t(e[0])];
@@ -158,13 +166,16 @@ TEST(PlanePairs, RunsInTheLanesAreThoseOfHexahedra) {
     EXPECT_LT(difference(mesh, parting), chaos(mesh, parting, 1e-12));
     EXPECT_LT(difference(mesh, parting, {.precision = "single"}), 0.03);
     RunSetup s = parting;
-    s.collapse_viscosity = 0.5, s.wall_film = 5e-5;
+    s.collapse_viscosity = 0.5;
+    s.wall_film = 5e-5;
     EXPECT_LT(difference(mesh, s), chaos(mesh, s, 1e-12));
     s = pulse(mesh, 1e15);
     s.liquid_law = std::make_shared<Softer>(s.liquid.bulk_modulus);
     EXPECT_LT(difference(mesh, s), rounding);
     s = pulse(mesh, 1e15);
-    s.steel_mass_damping = 1e4, s.steel_stiffness_damping = 1e-8, s.steel_branches = {{0.02, 1e-5}};
+    s.steel_mass_damping = 1e4;
+    s.steel_stiffness_damping = 1e-8;
+    s.steel_branches = {{0.02, 1e-5}};
     EXPECT_LT(difference(mesh, s), rounding);
   }
 }
@@ -172,7 +183,8 @@ TEST(PlanePairs, RunsInTheLanesAreThoseOfHexahedra) {
 TEST(PlanePairs, WithStressHeatAndMotionBeforeTheRun) {
   const Mesh mesh = slice(true);
   RunSetup s = pulse(mesh, 1e15);
-  s.thermal_strain.assign(mesh.elements.size(), 0), s.initial_stress.assign(mesh.elements.size(), {});
+  s.thermal_strain.assign(mesh.elements.size(), 0);
+  s.initial_stress.assign(mesh.elements.size(), {});
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const double x = mesh.nodes[std::size_t(mesh.elements[e][0])][0];
     if (mesh.region[e] == Region::steel)

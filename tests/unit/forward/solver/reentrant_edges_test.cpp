@@ -27,7 +27,13 @@ std::vector<hexahedron::Point> centres(const Mesh& mesh) {
 
 GeometryOptions box(bool plane_strain) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.03, g.width = 0.024, g.height = 0.02, g.wall = 0.004, g.element_size = 0.002, g.plane_strain = plane_strain;
+  g.kind = "box";
+  g.length = 0.03;
+  g.width = 0.024;
+  g.height = 0.02;
+  g.wall = 0.004;
+  g.element_size = 0.002;
+  g.plane_strain = plane_strain;
   return g;
 }
 
@@ -74,14 +80,19 @@ TEST(ReentrantEdges, OfASolidBoxAreTheEdgesBetweenItsWettedFaces) {
 
 TEST(ReentrantEdges, ABarHasNone) {
   GeometryOptions g;
-  g.kind = "bar", g.radius = 0.01, g.length = 0.05, g.quarter = false;
+  g.kind = "bar";
+  g.radius = 0.01;
+  g.length = 0.05;
+  g.quarter = false;
   EXPECT_TRUE(centres(make_mesh(g)).empty());
 }
 
 // The rounded nose has no re-entrant edge. A jet-flow target has the edges between its side wall and the others.
 TEST(ReentrantEdges, OfAJetFlowTargetLieAtItsSideWall) {
   GeometryOptions g;
-  g.kind = "jet_flow", g.half = true, g.element_size = 0.008;
+  g.kind = "jet_flow";
+  g.half = true;
+  g.element_size = 0.008;
   const auto found = centres(make_mesh(g));
   EXPECT_GT(found.size(), 20u);
   double inner = 0;

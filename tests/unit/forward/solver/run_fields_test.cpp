@@ -74,10 +74,13 @@ TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
         for (const std::size_t runs : {1, 2}) {
           const Mesh mesh = bar(distorted);
           RunSetup s = settling();
-          s.thermal_strain.assign(mesh.elements.size(), a), s.pulse_length = 2e-6;
+          s.thermal_strain.assign(mesh.elements.size(), a);
+          s.pulse_length = 2e-6;
           if (runs == 2) s.energies = {0.8, 1.1};
           SolveOptions o;
-          o.kinematics = kinematics, o.precision = precision, o.energy_balance = runs == 1;
+          o.kinematics = kinematics;
+          o.precision = precision;
+          o.energy_balance = runs == 1;
           const bool finite = *kinematics == 'f', twice = *precision == 'd';
           std::vector<Vec3> stretch;
           for (const double energy : s.energies) stretch.push_back(Vec3{1, 1, 1}), stretch.back().fill(finite ? std::sqrt(1 + 2 * a * energy) - 1 : a * energy);
@@ -87,7 +90,7 @@ TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
           EXPECT_LT(hot.worst, (twice ? 1e-7 : 2e-4) * a * 0.012) << name;
           EXPECT_LT(hot.stress, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
           EXPECT_LT(hot.pressure, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
-          s.thermal_strain.clear();  // control: without heat it stays at rest
+          s.thermal_strain.clear();  // control: without heat it remains at rest
           EXPECT_EQ(settle(mesh, s, o, {Vec3{}}).worst, 0) << name;
         }
 }
@@ -98,7 +101,8 @@ TEST(ThermalStrain, AHeldBarComesUnderPressure) {
   const Mesh mesh = bar(true, true);
   for (const double pulse : {0.0, 2e-6}) {
     RunSetup s = linear_setup(4e-6, 4e-6);
-    s.thermal_strain.assign(mesh.elements.size(), a), s.pulse_length = pulse;
+    s.thermal_strain.assign(mesh.elements.size(), a);
+    s.pulse_length = pulse;
     SolveOptions o;
     o.energy_balance = true;
     const Settled held = settle(mesh, s, o, {Vec3{}});
@@ -120,7 +124,8 @@ TEST(ThermalStrain, EnergyIsKept) {
         for (std::size_t e = 0; e < mesh.elements.size(); ++e) s.thermal_strain.push_back(1e-4 * std::exp(-double(e % 6)));
         if (stressed) s.initial_stress.assign(mesh.elements.size(), {30e6, -10e6, 20e6, 5e6, -3e6, 8e6});
         SolveOptions o;
-        o.energy_balance = true, o.kinematics = kinematics;
+        o.energy_balance = true;
+        o.kinematics = kinematics;
         const auto out = ExplicitSolver(mesh, steel()).solve(s, {}, o);
         measured("balance", out.energy_balance_error);
         EXPECT_LT(out.energy_balance_error, *kinematics == 'f' ? 1e-3 : 1e-9) << distorted << stressed;
@@ -151,21 +156,23 @@ TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
 }
 
 // A stress before the run acts at once, and a free bar deforms until it is gone: epsilon = -C^-1 sigma.
-TEST(InitialStress, AFreeBarGivesWayToItAndAHeldOneStays) {
+TEST(InitialStress, AFreeBarRelievesItAndAHeldOneKeepsIt) {
   const std::array<double, 6> sigma{30e6, -10e6, 20e6, 0, 0, 0};
   const double trace = sigma[0] + sigma[1] + sigma[2];
   Vec3 stretch{};
   double stored = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double strain = ((1 + poisson) * sigma[c] - poisson * trace) / young;  // Hooke's law
-    stretch[c] = -strain, stored += 0.5 * sigma[c] * strain;
+    stretch[c] = -strain;
+    stored += 0.5 * sigma[c] * strain;
   }
   const double mises = std::sqrt(0.5 * (40e6 * 40e6 + 30e6 * 30e6 + 10e6 * 10e6));
   for (const bool distorted : {false, true})
     for (const std::size_t runs : {1, 2}) {
       const Mesh mesh = bar(distorted), fixed = bar(distorted, true);
       RunSetup s = settling();
-      s.initial_stress.assign(mesh.elements.size(), sigma), s.energies.assign(runs, 1.0);
+      s.initial_stress.assign(mesh.elements.size(), sigma);
+      s.energies.assign(runs, 1.0);
       SolveOptions o;
       o.energy_balance = runs == 1;
       const Settled free = settle(mesh, s, o, std::vector<Vec3>(runs, stretch)), held = settle(fixed, s, o, std::vector<Vec3>(runs, Vec3{}));
@@ -185,7 +192,8 @@ namespace {
 /// Mercury on 0 < x < 0.05 m that moves along x only, with x = 0 fixed.
 Mesh mercury_column(bool rear) {
   Mesh m = block({50, 1, 1}, {0, 0, 0}, {0.05, 0.001, 0.001}, Region::mercury);
-  fix(m, 2 | 4, everywhere()), fix(m, 1, plane(0, 0));
+  fix(m, 2 | 4, everywhere());
+  fix(m, 1, plane(0, 0));
   if (rear) m.rear = faces_at(m, 0, 0.05);
   return m;
 }
@@ -230,7 +238,8 @@ TEST(InitialStress, TensionBeforeTheRunStopsAtTheCutoff) {
     s.liquid.tensile_cutoff = cutoff;
     s.initial_stress.assign(mesh.elements.size(), {4e5, 4e5, 4e5, 0, 0, 0});
     SolveOptions o;
-    o.field_interval = 1e-6, o.energy_balance = true;
+    o.field_interval = 1e-6;
+    o.energy_balance = true;
     o.on_field = [&](const FieldSnapshot& f) {
       EXPECT_NEAR(f.pressure[7], -std::min(cutoff, 4e5), 1e-6);
       EXPECT_NEAR(f.time_at_cutoff[7], std::isfinite(cutoff) ? f.time : 0, 1e-12);
@@ -295,7 +304,7 @@ const double z_mercury = mercury_density * mercury_speed, z_steel = steel_densit
 
 }  // namespace
 
-// Mercury that moves away from a face without strength leaves the steel at rest and stays unstrained. From a face that holds, it pulls.
+// Mercury that moves away from a face without strength leaves the steel at rest and remains unstrained. From a face that holds, it pulls.
 TEST(OpeningFace, CarriesNoTension) {
   const WettedFace face;
   for (const char* precision : {"double", "single"})
@@ -353,7 +362,8 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   RunSetup s = face.moving(v, gap, 0, end);
   const std::vector<ObservationRow> rows{component(face.wall(), 0), face.moment(s, false), face.moment(s, true), component(face.mesh.slip[0].mercury, 0)};
   SolveOptions o;
-  o.energy_balance = true, o.every_step = true;
+  o.energy_balance = true;
+  o.every_step = true;
   const auto out = solver.solve(s, rows, o);
   const auto wall = row_of(out, 0), pushed = row_of(out, 1), all = row_of(out, 2), mercury = row_of(out, 3);
   const double dt = out.time_step;
@@ -371,7 +381,7 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   }
   EXPECT_GE(least_push, -1e-9);                                         // the steel is never pulled
   EXPECT_GE(least_gap, -1e-9 * gap);                                    // nothing overlaps
-  EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they stay together
+  EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they remain together
   EXPECT_GT(wall[wall.size() - 1] - mercury[mercury.size() - 1], gap);  // and separate when the pull comes
   const auto m = masses(face.mesh, s);
   double lost = 0;
@@ -399,7 +409,8 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
   const ExplicitSolver solver(face.mesh, steel());
   for (const char* precision : {"double", "single"}) {
     RunSetup s = face.moving(-v, 0, never, 1.2e-5);
-    s.slip_strength.clear(), s.wetted_cutoff = cutoff;
+    s.slip_strength.clear();
+    s.wetted_cutoff = cutoff;
     SolveOptions o;
     o.precision = precision;
     o.energy_balance = true;
@@ -414,14 +425,15 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
     const auto lanes = solver.solve(s, rows, o);
     EXPECT_NEAR(lanes.observations[190], wall[190], *precision == 'd' ? 1e-15 : 1e-9);
     // A face weaker than the mercury carries nothing once it is open.
-    s.energies.assign(1, 1.0), s.slip_strength.assign(face.mesh.slip.size(), 0.5 * cutoff);
+    s.energies.assign(1, 1.0);
+    s.slip_strength.assign(face.mesh.slip.size(), 0.5 * cutoff);
     const auto weak = solver.solve(s, rows, o);
     EXPECT_NEAR(rate(row_of(weak, 1)), -v, 0.01 * v) << precision;
   }
 }
 
-// A plate that leaves mercury without strength keeps its own velocity, because no layer of mercury adheres to it. Control: if the faces stay together, half an
-// element of mercury adheres and takes its share of the momentum.
+// A plate that leaves mercury without strength keeps its own velocity, because no layer of mercury adheres to it. Control: if the faces remain together, half
+// an element of mercury adheres and takes its share of the momentum.
 TEST(PartingFace, HangsNoMercuryOnTheWall) {
   Mesh mesh = block({44, 1, 1}, {-0.04, 0, 0}, {0.004, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
   fix(mesh, 2 | 4, everywhere());
@@ -449,7 +461,8 @@ TEST(PartingFace, HangsNoMercuryOnTheWall) {
   // A film that adheres to the plate moves with it; the cutoff pulls both back.
   const double pull = 1e5;
   const auto slowed = [&](double film) {
-    s.wall_film = film, s.wetted_cutoff = pull;
+    s.wall_film = film;
+    s.wetted_cutoff = pull;
     return 1 - flown(pull);
   };
   const double bare = slowed(0), plate = 4e-3 * steel_density;

@@ -18,7 +18,8 @@ namespace {
 /// two stiffnesses come from runs in which the other material has next to none.
 double true_limit(const Mesh& mesh, const RunSetup& setup) {
   RunSetup plain = setup;
-  plain.liquid.viscosity = 0, plain.steel_stiffness_damping = 0;
+  plain.liquid.viscosity = 0;
+  plain.steel_stiffness_damping = 0;
   const auto m = masses(mesh, plain);
   const Eigen::Index n = 3 * m.size();
   const Eigen::MatrixXd k = stiffness(ExplicitSolver(mesh, setup.steel), plain);
@@ -38,7 +39,8 @@ double true_limit(const Mesh& mesh, const RunSetup& setup) {
       Eigen::VectorXd apart = Eigen::VectorXd::Zero(n);
       for (Eigen::Index c = 0; c < 3; ++c) {
         const double x = pair.normals[std::size_t(i)][std::size_t(c)];
-        apart[3 * pair.steel + c] = x * scale[3 * pair.steel], apart[3 * pair.mercury + c] = -x * scale[3 * pair.mercury];
+        apart[3 * pair.steel + c] = x * scale[3 * pair.steel];
+        apart[3 * pair.mercury + c] = -x * scale[3 * pair.mercury];
       }
       together -= apart * apart.transpose() / apart.squaredNorm();
     }
@@ -65,7 +67,7 @@ Mesh column(int n) {
 
 }  // namespace
 
-// u+ = u + dt v+, v+ = v - dt omega^2 (u + beta v): both eigenvalues stay within the unit circle up to the limit and no farther.
+// u+ = u + dt v+, v+ = v - dt omega^2 (u + beta v): both eigenvalues remain within the unit circle up to the limit and no farther.
 TEST(StableTimeStep, IsTheLimitOfADampedOscillator) {
   for (const double beta : {0.0, 1e-8, 1e-6, 1e-4})
     for (const double factor : {0.999, 1.001}) {
@@ -128,11 +130,13 @@ TEST(StableTimeStep, LiesBetweenTheElementsBoundAndTheLimitOfTheMesh) {
         }
       if (kind.slip) split(mesh, {Vec3{0, 0, 1}});
       RunSetup s = linear_setup(0, 0);
-      s.liquid.viscosity = kind.viscosity, s.steel_stiffness_damping = kind.steel_damping;
+      s.liquid.viscosity = kind.viscosity;
+      s.steel_stiffness_damping = kind.steel_damping;
       const ExplicitSolver solver(mesh, steel());
       const double bound = solver.element_step(s), estimate = solver.stable_step(s), truth = true_limit(mesh, s);
       const std::string name = kind.name + (distortion > 0 ? "_distorted" : "");
-      measured("bound_over_limit_" + name, bound / truth), measured("estimate_over_limit_" + name, estimate / truth);
+      measured("bound_over_limit_" + name, bound / truth);
+      measured("estimate_over_limit_" + name, estimate / truth);
       EXPECT_LE(bound, truth * (1 + 1e-9)) << name;
       EXPECT_GE(estimate, bound) << name;
       EXPECT_LE(estimate, truth * (1 + 1e-9)) << name;
@@ -153,7 +157,8 @@ TEST(StableTimeStep, SharpWhereElementsAreAlike) {
     RandomStream random(9, 0);
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) s.initial_velocity.push_back({random.uniform(-1e-3, 1e-3), 0, 0});
     for (const double factor : {0.98, 1.02}) {
-      s.output_interval = factor * limit, s.end = 3000 * s.output_interval;
+      s.output_interval = factor * limit;
+      s.end = 3000 * s.output_interval;
       SolveOptions o;
       o.time_step_safety = factor * (1 + 1e-9);
       const std::vector<ObservationRow> rows{component(nearest(mesh, {0.02, 0, 0}), 0)};
@@ -178,12 +183,15 @@ TEST(StableTimeStep, OfSteelWithRelaxingBranchesIsThatOfTheStifferSteel) {
     EXPECT_NEAR(limit, base / 1.2, 1e-9 * base);
     RandomStream random(9, 0);
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) s.initial_velocity.push_back({random.uniform(-1e-3, 1e-3), 0, 0});
-    s.output_interval = 0.999 * limit, s.end = 3000 * s.output_interval;
+    s.output_interval = 0.999 * limit;
+    s.end = 3000 * s.output_interval;
     SolveOptions o;
     o.time_step_safety = 1;
     EXPECT_NO_THROW((void)solver.solve(s, {}, o)) << time;
     if (time < 1e-3) continue;
-    s.output_interval = 1.04 * limit, s.end = 3000 * s.output_interval, o.time_step_safety = 1.05;
+    s.output_interval = 1.04 * limit;
+    s.end = 3000 * s.output_interval;
+    o.time_step_safety = 1.05;
     EXPECT_THROW((void)solver.solve(s, {}, o), NumericsError);
   }
 }
@@ -194,7 +202,8 @@ TEST(StableTimeStep, ARunThatLeavesAllBoundsNamesStepNodeAndElement) {
   RunSetup s = linear_setup(0, 0);
   s.initial_velocity.assign(mesh.nodes.size(), {});
   s.initial_velocity[5] = {1, 0, 0};
-  s.output_interval = 1.2 * solver.stable_step(s), s.end = 500 * s.output_interval;
+  s.output_interval = 1.2 * solver.stable_step(s);
+  s.end = 500 * s.output_interval;
   SolveOptions o;
   o.time_step_safety = 1.3;
   try {
@@ -243,7 +252,9 @@ TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
   };
   const auto step = [](const Mesh& m, double closing, double viscosity) {
     RunSetup s = linear_setup(0, 0);
-    s.liquid.tensile_cutoff = 1e5, s.collapse_viscosity = closing, s.liquid.viscosity = viscosity;
+    s.liquid.tensile_cutoff = 1e5;
+    s.collapse_viscosity = closing;
+    s.liquid.viscosity = viscosity;
     s.hourglass = 0;  // one of them damps the springs, the other does not
     return ExplicitSolver(m, steel()).stable_step(s);
   };
@@ -262,12 +273,13 @@ TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
   for (auto& v : s.initial_velocity)
     for (auto& c : v) c = random.uniform(-1, 1);
   SolveOptions o;
-  o.energy_balance = true, o.time_step_safety = 0.999;
+  o.energy_balance = true;
+  o.time_step_safety = 0.999;
   EXPECT_GT(ExplicitSolver(uneven, steel()).solve(s, {}, o).dissipated, 0);
 }
 
 // A thin wall with mercury on it is faster once the mercury leaves it. Where faces may separate, the step is that of the mesh with both apart, and a run in
-// which they separate stays bounded.
+// which they separate remains bounded.
 TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   Mesh mesh = block({6, 4, 5}, {0, 0, 0}, {0.012, 0.008, 0.0085}, [](const Vec3& x) { return x[2] > 0.0068 ? Region::steel : Region::mercury; });
   for (auto& x : mesh.nodes)
@@ -287,7 +299,8 @@ TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   for (auto& v : s.initial_velocity)
     for (auto& c : v) c = random.uniform(-1, 1);
   SolveOptions o;
-  o.energy_balance = true, o.time_step_safety = 0.95;
+  o.energy_balance = true;
+  o.time_step_safety = 0.95;
   EXPECT_LT(ExplicitSolver(mesh, steel()).solve(s, {}, o).energy_balance_error, 0.05);
 }
 
@@ -350,7 +363,7 @@ TEST(ExplicitSolver, TheStepDividesTheOutputInterval) {
   EXPECT_GT(out.time_step, 0.3 * solver.stable_step(s));
 }
 
-TEST(ExplicitSolver, StopsWhenAsked) {
+TEST(ExplicitSolver, StopsOnRequest) {
   const Mesh mesh = column(10);
   const std::atomic<bool> stop{true};
   SolveOptions o;

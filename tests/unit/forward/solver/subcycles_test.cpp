@@ -17,26 +17,36 @@ namespace {
 /// A plane-strain or solid box with three elements through its walls.
 Mesh box(bool plane_strain = true) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.05, g.width = 0.04, g.height = 0.03, g.wall = 0.003, g.plane_strain = plane_strain, g.half = !plane_strain;
+  g.kind = "box";
+  g.length = 0.05;
+  g.width = 0.04;
+  g.height = 0.03;
+  g.wall = 0.003;
+  g.plane_strain = plane_strain;
+  g.half = !plane_strain;
   g.element_size = plane_strain ? 0.002 : 0.004;
-  g.rear = "non_reflecting", g.wall_elements = 3;
+  g.rear = "non_reflecting";
+  g.wall_elements = 3;
   return make_mesh(g);
 }
 
 RunSetup heated(const Mesh& mesh, double end) {
   RunSetup s = linear_setup(end, 2e-6);
   ProfileOptions profile;
-  profile.center = {0, 0.015}, profile.widths = {0.03, 0.01};
+  profile.center = {0, 0.015};
+  profile.widths = {0.03, 0.01};
   for (const double v : heating_shape(mesh, profile).element) s.p0.push_back(25e6 * v);
   s.p0_at = [profile](const Vec3& x) { return 25e6 * profile.shape(x, true); };
   s.pulse_length = 0.7e-6;
-  s.liquid.viscosity = 2000, s.liquid.tensile_cutoff = 1.5e5;
+  s.liquid.viscosity = 2000;
+  s.liquid.tensile_cutoff = 1.5e5;
   return s;
 }
 
 SolveOptions cycled(int subcycles, int buffer = default_subcycle_buffer) {
   SolveOptions o;
-  o.subcycles = subcycles, o.subcycle_buffer = buffer;
+  o.subcycles = subcycles;
+  o.subcycle_buffer = buffer;
   return o;
 }
 
@@ -98,10 +108,11 @@ TEST(Subcycles, SlowBlocksAndTheirNodesComeLast) {
   EXPECT_EQ(rows, layout.outbox_size);
 }
 
-TEST(Subcycles, TheCheapestDivisionThatTheLiquidBears) {
+TEST(Subcycles, TheCheapestDivisionThatIsStable) {
   Layout layout;
   layout.blocks.resize(2);
-  layout.blocks[0].elements.resize(100), layout.blocks[1].elements.resize(300);
+  layout.blocks[0].elements.resize(100);
+  layout.blocks[1].elements.resize(300);
   layout.blocks[0].liquid = layout.blocks[1].liquid = true;
   layout.first_slow_block = 1;
   const auto at_most = [&](int least, int least_slow, int most) {
@@ -193,7 +204,8 @@ class Noting : public LiquidLaw {
  public:
   explicit Noting(const Riemer& r) : riemer_(r) {}
   void advance(const LiquidPoints& p) const override {
-    least = std::min(least, p.dt), greatest = std::max(greatest, p.dt);
+    least = std::min(least, p.dt);
+    greatest = std::max(greatest, p.dt);
     for (std::size_t i = 0; i < p.count; ++i) p.pressure[i] = riemer_.pressure(p.heating[i], p.strain[i], (p.strain[i] - p.strain_before[i]) / p.dt);
   }
   mutable double least = 1, greatest = 0;
@@ -275,7 +287,8 @@ TEST(Subcycles, NoModeOfAColumnGrowsWhateverTheStep) {
     return balance;
   };
   const double with = greatest(1), without = greatest(0);
-  measured("balance_with_a_layer", with), measured("balance_without", without);
+  measured("balance_with_a_layer", with);
+  measured("balance_without", without);
   EXPECT_LT(with, 0.04);
   EXPECT_GT(without, 1);
 }
@@ -306,7 +319,8 @@ TEST(Subcycles, EnergySwingsButDoesNotDrift) {
   for (const int m : {1, 2, 4})
     for (const double end : {2e-4, 8e-4}) {
       RunSetup s = heated(mesh, end);
-      s.liquid.viscosity = 0, s.liquid.tensile_cutoff = std::numeric_limits<double>::infinity();
+      s.liquid.viscosity = 0;
+      s.liquid.tensile_cutoff = std::numeric_limits<double>::infinity();
       SolveOptions o = cycled(m);
       o.energy_balance = true;
       errors.push_back(solver.solve(s, {}, o).energy_balance_error);

@@ -18,7 +18,8 @@ Data wavy(Eigen::Index n, double noise) {
   RandomStream random(21, 0);
   Data d{Eigen::MatrixXd(2, n), Eigen::VectorXd(n)};
   for (Eigen::Index i = 0; i < n; ++i) {
-    d.x(0, i) = random.uniform(), d.x(1, i) = random.uniform();
+    d.x(0, i) = random.uniform();
+    d.x(1, i) = random.uniform();
     d.z[i] = std::sin(5 * d.x(0, i)) + 0.3 * d.x(1, i) * d.x(1, i) + noise * random.normal();
   }
   return d;
@@ -63,14 +64,17 @@ TEST(MaternMeans, AgreeWithTheFormulaByEveryInstructionSet) {
         for (auto& v : x.reshaped()) v = random.uniform();
         for (auto& v : weights) v = random.normal();
         for (std::ptrdiff_t f = 0; f < features; ++f) kappas[f] = kappa / double(f + 1), stretch[f] = f == 4 ? 2000 : 3 + double(f);
-        x.col(0).setZero(), x.col(n - 1).setOnes(), at.row(3).setZero();
+        x.col(0).setZero();
+        x.col(n - 1).setOnes();
+        at.row(3).setZero();
         Eigen::VectorXd expected = Eigen::VectorXd::Zero(n), scale = expected;
         for (std::ptrdiff_t j = 0; j < n; ++j)
           for (std::ptrdiff_t i = 0; i < points; ++i) {
             double r2 = 0;
             for (std::ptrdiff_t f = 0; f < features; ++f) r2 += std::pow(at(i, f) - stretch[f] * warp(x(f, j), kappas[f]).value, 2);
             const double k = (1 + std::sqrt(r2) + r2 / 3) * std::exp(-std::sqrt(r2));
-            expected[j] += weights[i] * k, scale[j] += std::abs(weights[i]) * k;
+            expected[j] += weights[i] * k;
+            scale[j] += std::abs(weights[i]) * k;
           }
         for (const auto isa : instruction_sets()) {
           Eigen::VectorXd out(n);
@@ -92,7 +96,8 @@ TEST(GaussianProcess, GradientOfTheMarginalLikelihoodAgreesWithDifferences) {
   (void)negative_log_posterior(d.x, d.z, kappa0, p, &gradient);
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     Eigen::VectorXd up = p, down = p;
-    up[i] += 1e-5, down[i] -= 1e-5;
+    up[i] += 1e-5;
+    down[i] -= 1e-5;
     const double difference = (negative_log_posterior(d.x, d.z, kappa0, up, nullptr) - negative_log_posterior(d.x, d.z, kappa0, down, nullptr)) / 2e-5;
     EXPECT_NEAR(gradient[i], difference, 1e-6 * gradient.norm()) << i;
   }
@@ -115,14 +120,15 @@ TEST(GaussianProcess, InterpolatesAndItsGradientAgreesWithDifferences) {
   const Eigen::VectorXd g = process.gradient(at);
   for (int j = 0; j < 2; ++j) {
     Eigen::Vector2d up = at, down = at;
-    up[j] += 1e-5, down[j] -= 1e-5;
+    up[j] += 1e-5;
+    down[j] -= 1e-5;
     EXPECT_NEAR(g[j], (process.means(up)[0] - process.means(down)[0]) / 2e-5, 1e-6 * g.norm());
   }
 }
 
 // At 400 new points of noise sd 0.2 the standardised squares have mean 1 with standard error sqrt(2 / 400) = 0.07, beside the
 // error of the fitted noise from 80 points (about 0.16). The bounds are 3 standard errors. Control: without the nugget the ratio is far off.
-TEST(GaussianProcess, PredictiveVarianceIsHonestOnNewNoisyPoints) {
+TEST(GaussianProcess, PredictiveVarianceIsCalibratedOnNewNoisyPoints) {
   const Data d = wavy(480, 0.2);
   const Eigen::MatrixXd x = d.x.leftCols(80);
   const Eigen::VectorXd z = d.z.head(80);

@@ -83,7 +83,8 @@ TEST(Adam, FollowsTwoStepsWorkedByHand) {
   EXPECT_NEAR(x, 0.9, 1e-9);
   EXPECT_NEAR(m, 0.2, 1e-15);
   EXPECT_NEAR(v, 0.004, 1e-15);
-  g = -1, adam.step = 2;
+  g = -1;
+  adam.step = 2;
   adam.update(&x, &g, &m, &v, 1, true);
   EXPECT_NEAR(x, 0.9 - 0.1 * 0.42105263157894740 / std::sqrt(0.004996 / 0.001999), 1e-9);
 }
@@ -126,7 +127,10 @@ TEST(NetworkTrainer, BlockwiseStepIsAdamOnTheWholeGradient) {
   Adam adam{.rate = 0.01, .step = 1};
   for (std::size_t l = 0; l < gradient.size(); ++l) {
     auto m = gradient[l], v = gradient[l];
-    m.W.setZero(), m.b.setZero(), v.W.setZero(), v.b.setZero();
+    m.W.setZero();
+    m.b.setZero();
+    v.W.setZero();
+    v.b.setZero();
     auto& layer = whole.layers()[l];
     adam.update(layer.W.data(), gradient[l].W.data(), m.W.data(), v.W.data(), layer.W.size(), true);
     adam.update(layer.b.data(), gradient[l].b.data(), m.b.data(), v.b.data(), layer.b.size(), false);

@@ -126,9 +126,11 @@ TEST(Expansion, GradientIsThatOfDifferences) {
   constexpr double h = 1e-6;
   for (Eigen::Index k = 0; k < 3; ++k) {
     Eigen::MatrixXd up = units, down = units;
-    up.row(k).array() += h, down.row(k).array() -= h;
+    up.row(k).array() += h;
+    down.row(k).array() -= h;
     Eigen::VectorXd high(21), low(21);
-    f.evaluate(up, {high.data(), 21}), f.evaluate(down, {low.data(), 21});
+    f.evaluate(up, {high.data(), 21});
+    f.evaluate(down, {low.data(), 21});
     const Eigen::VectorXd slope = (high - low) / (2 * h);
     EXPECT_LT((slope - gradients.row(k).transpose()).cwiseAbs().maxCoeff(), 1e-5 * gradients.cwiseAbs().maxCoeff());
   }

@@ -56,7 +56,7 @@ TEST(Modes, AreOrthonormalAndRebuildTheHistories) {
   }
 }
 
-TEST(InputScaling, FeaturesSpanTheBoxAndPullBackAgreesWithDifferences) {
+TEST(InputScaling, FeaturesSpanTheBoxAndDerivativesAgreeWithDifferences) {
   const std::vector<Parameter> parameters{bounded("tensile_cutoff", 0, 2), bounded("sound_speed", 100, 900)};
   const InputScaling both(parameters, Coordinates::both, -1, 1);
   ASSERT_EQ(both.features(), 3);
@@ -69,7 +69,8 @@ TEST(InputScaling, FeaturesSpanTheBoxAndPullBackAgreesWithDifferences) {
   const Eigen::VectorXd g = both.vector_jacobian_product(at, weights);
   for (int j = 0; j < 2; ++j) {
     Eigen::Vector2d up = at, down = at;
-    up[j] += 1e-4, down[j] -= 1e-4;
+    up[j] += 1e-4;
+    down[j] -= 1e-4;
     EXPECT_NEAR(g[j], weights.dot(both.features(up).col(0) - both.features(down).col(0)) / 2e-4, 1e-8);
   }
 }
@@ -78,7 +79,9 @@ TEST_P(EveryKind, SaveAndLoadGiveTheSameBytesOfPrediction) {
   Archive archive = damped_oscillations(30, 3, 50, 3);
   archive.energy_slope = 1.1f * archive.mean;
   archive.scatter = (0.1f * archive.mean).cwiseAbs();
-  archive.shape.parameters[0].prior = "normal", archive.shape.parameters[0].mean = 1.5, archive.shape.parameters[0].sd = 0.1;
+  archive.shape.parameters[0].prior = "normal";
+  archive.shape.parameters[0].mean = 1.5;
+  archive.shape.parameters[0].sd = 0.1;
   SurrogateSummary summary;
   const auto made = train_surrogate(quick(GetParam()), archive, 4, 2, summary);
   const auto path = scratch_file("surrogate_" + GetParam() + ".nc");
@@ -110,7 +113,7 @@ TEST_P(EveryKind, IsTheSameOnOneAndTwoThreads) {
   EXPECT_EQ(s1.test.rmse, s2.test.rmse);
 }
 
-TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
+TEST_P(EveryKind, VectorJacobianProductAgreesWithDifferencesOfTheMeans) {
   const Archive archive = damped_oscillations(60, 3, 50, 3);
   SurrogateSummary summary;
   auto options = quick(GetParam());
@@ -130,7 +133,9 @@ TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
   };
   for (std::size_t j = 0; j < 3; ++j) {
     auto up = at, down = at;
-    up[j] += 5e-3, down[j] -= 5e-3;  // predictions are in single precision
+    // predictions are in single precision
+    up[j] += 5e-3;
+    down[j] -= 5e-3;
     EXPECT_NEAR(g[Eigen::Index(j)], (sum(up) - sum(down)) / 1e-2, 5e-3 * g.norm()) << j;
   }
 }

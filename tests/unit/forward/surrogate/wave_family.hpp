@@ -11,7 +11,11 @@ namespace calomel {
 
 inline Parameter bounded(const std::string& name, double low, double high) {
   Parameter p;
-  p.name = name, p.key = "material.mercury." + name, p.min = low, p.max = high, p.nominal = 0.5 * (low + high);
+  p.name = name;
+  p.key = "material.mercury." + name;
+  p.min = low;
+  p.max = high;
+  p.nominal = 0.5 * (low + high);
   return p;
 }
 

@@ -38,7 +38,8 @@ TEST(BuiltInModel, TheMercurysNumericsHaveOneDefault) {
   const BuiltInModel model(small_case(), {.pulses = 1});
   const BuiltInModel other = [] {
     ForwardCase c = small_case();
-    c.mercury.hourglass = 0.02, c.mercury.collapse_viscosity = 0.7;
+    c.mercury.hourglass = 0.02;
+    c.mercury.collapse_viscosity = 0.7;
     return BuiltInModel(c, {.pulses = 1});
   }();
   EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).hourglass, RunSetup{}.hourglass);
@@ -49,11 +50,12 @@ TEST(BuiltInModel, TheMercurysNumericsHaveOneDefault) {
   EXPECT_EQ(other.setup(other.forward_case(), other.mesh(), 0, {1.0}).collapse_viscosity, 0.7);
 }
 
-TEST(BuiltInModel, TellsTheElementStepsOfARun) {
+TEST(BuiltInModel, ReportsTheElementStepsOfARun) {
   const auto d = BuiltInModel(small_case(), {.pulses = 1}).describe();
   EXPECT_EQ(d.element_steps, double(d.elements) * double(d.steps));
   ForwardCase c = small_case();
-  c.geometry.wall_elements = 6, c.solver.subcycles = 4;
+  c.geometry.wall_elements = 6;
+  c.solver.subcycles = 4;
   const auto cycled = BuiltInModel(c, {.pulses = 1}).describe();
   EXPECT_GT(cycled.subcycles, 1);
   EXPECT_LT(cycled.element_steps, double(cycled.elements) * double(cycled.steps));
@@ -61,7 +63,7 @@ TEST(BuiltInModel, TellsTheElementStepsOfARun) {
 }
 
 // The eight energies of the reference solutions (README of ../shared/data/reference_solutions).
-TEST(PulseEnergies, AreTheQuantilesOfThePulseToPulseSpread) {
+TEST(PulseEnergies, AreTheQuantilesOfThePulseToPulseScatter) {
   const std::array<double, 8> published{0.97699, 0.98669, 0.99267, 0.99764, 1.00236, 1.00733, 1.01331, 1.02301};
   const auto a = pulse_energies({.pulses = 8, .energy_sd = 0.015});
   ASSERT_EQ(a.size(), 8u);
@@ -84,7 +86,10 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
     double se = 0, see = 0, sy = 0, sey = 0;
     for (std::size_t r = 0; r < m; ++r) {
       const double e = p.energies[r], y = p.pulses[r * n + i];
-      se += e, see += e * e, sy += y, sey += e * y;
+      se += e;
+      see += e * e;
+      sy += y;
+      sey += e * y;
     }
     const double b = (m * sey - se * sy) / (m * see - se * se), a = (sy - b * se) / m;
     double rest = 0;
@@ -92,7 +97,8 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
     EXPECT_NEAR(p.mean[i], sy / m, 1e-6 * scale);
     EXPECT_NEAR(p.energy_slope[i], b, 2e-5 * scale);
     EXPECT_NEAR(p.scatter[i], std::sqrt(rest / (m - 2)), 1e-6 * scale);
-    slopes = std::max(slopes, std::abs(b)), scatters = std::max(scatters, p.scatter[i]);
+    slopes = std::max(slopes, std::abs(b));
+    scatters = std::max(scatters, p.scatter[i]);
   }
   EXPECT_GT(scale, 1e-6);
   EXPECT_GT(slopes, 0.5 * scale);  // about proportional to the energy
@@ -100,7 +106,7 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
 }
 
 // Zeros there would say that energy changes nothing, and errors of the energy would count for nothing.
-TEST(BuiltInModel, PulsesOfOneEnergyTellNoSlopeAndTwoNoScatter) {
+TEST(BuiltInModel, PulsesOfOneEnergyGiveNoSlopeAndTwoNoScatter) {
   const auto sizes = [](const EnsembleOptions& o) {
     const Prediction p = BuiltInModel(small_case(), o).evaluate({});
     return std::pair(p.energy_slope.size(), p.scatter.size());
@@ -231,7 +237,7 @@ TEST(BuiltInModel, SimulateIsTheRunAtEnergyOne) {
   EXPECT_EQ(s.summary.times.size(), 41u);
 }
 
-TEST(BuiltInModel, SaysWhenTheMeshDecidesTheViscosity) {
+TEST(BuiltInModel, WarnsWhenTheMeshDeterminesTheViscosity) {
   ForwardCase c = small_case();
   EXPECT_FALSE(BuiltInModel(c).describe().mesh_decides_viscosity);
   c.mercury.least_mesh_viscosity = 0.1;
@@ -241,7 +247,7 @@ TEST(BuiltInModel, SaysWhenTheMeshDecidesTheViscosity) {
   EXPECT_THAT(d.warnings, ::testing::Contains(HasSubstr("the mesh decides the regularising viscosity")));
 }
 
-TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
+TEST(BuiltInModel, WarnsWhenItsElementsCannotHoldAFilmOfThatThickness) {
   ForwardCase c = small_case();  // elements of 3 mm hold 0.9 mm
   c.mercury.wall_film = 0.8e-3;
   EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Not(::testing::Contains(HasSubstr("a film of"))));
@@ -250,7 +256,7 @@ TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
 }
 
 // What a mechanism adds is no numerics: corrections for the mesh take the mesh's viscosity off.
-TEST(BuiltInModel, TellsTheMeshesViscosityWithoutThatOfAMechanism) {
+TEST(BuiltInModel, ReportsTheMeshesViscosityWithoutThatOfAMechanism) {
   const auto base = BuiltInModel(small_case()).describe(),
              with = BuiltInModel(small_case("[mechanism.liquid_viscosity]\nenabled = true\nzeta = 3000.0\n")).describe();
   EXPECT_GT(base.viscosity, 0);
@@ -305,7 +311,7 @@ TEST(BuiltInModel, WhatEarlierPulsesLeftHoldsNoBubbles) {
   EXPECT_THAT(p.message, HasSubstr("enable previous_pulses or bubbly_liquid, not both"));
 }
 
-TEST(BuiltInModel, ARearFaceThatIsNotThereReflectsNothingAndSaysSo) {
+TEST(BuiltInModel, AMissingRearFaceReflectsNothingAndGivesAWarning) {
   const std::string mechanism = "[mechanism.rear_reflection]\nenabled = true\ncoefficient = 0.5\n";
   EXPECT_TRUE(BuiltInModel(small_case(mechanism), {.pulses = 1}).evaluate({}).ok);
   EXPECT_THAT(refusal([&] { (void)BuiltInModel(ringing_box(0.004, mechanism), {.pulses = 1}).describe(); }), HasSubstr("no rear face that swallows waves"));
@@ -321,7 +327,8 @@ TEST(BuiltInModel, AMeshFromAFileMayLieAnywhere) {
   };
   const auto moved = [&](double dx, double dz, const std::string& mechanism) {
     ForwardCase c = small_case(mechanism);
-    c.geometry.kind = "mesh", c.load.profile.center[1] += dz;
+    c.geometry.kind = "mesh";
+    c.load.profile.center[1] += dz;
     for (auto& s : c.sensors) s.position[0] += dx, s.position[2] += dz;
     const Prediction p = BuiltInModel(c, {.pulses = 1}, 1, mesh(dx, dz)).evaluate({});
     EXPECT_TRUE(p.ok) << p.message;

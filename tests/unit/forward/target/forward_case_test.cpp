@@ -82,7 +82,7 @@ TEST(ForwardCase, AMechanismThatIsNotEnabledIsSuggested) {
               HasSubstr("set mechanism.bubbly_liquid.enabled = true"));
 }
 
-TEST(ForwardCase, TellsWhereRunsOfTheGruneisenPolicyFail) {
+TEST(ForwardCase, ReportsWhereRunsOfTheGruneisenPolicyFail) {
   const auto of = [](double low, double high) {
     return small_case(fmt::format("[parameter.sound_speed]\nmin = {}\nmax = {}\n", low, high), "peak_pressure = 25e6\npolicy = \"gruneisen\"").notes;
   };
@@ -125,7 +125,7 @@ TEST(ForwardCase, SetsAnyNumberAndLeavesTheOriginalAlone) {
   EXPECT_THROW((void)c.at(std::vector<double>{1.0}), ContractFailure);
 }
 
-// A gauge's own value of a mechanism is made when it is set, not when it is asked for: the provenance of a case that was only read is that of the case.
+// A gauge's own value of a mechanism is made when it is set, not when it is requested: the provenance of a case that was only read is that of the case.
 TEST(ForwardCase, ReadingANumberLeavesTheCaseAsItIs) {
   ForwardCase c = small_case("[mechanism.sensor_response]\nenabled = true\ngain = 1.05\n[mechanism.sensor_response.F]\ngain = 0.9\n");
   const Json before = c.echo();
@@ -135,7 +135,7 @@ TEST(ForwardCase, ReadingANumberLeavesTheCaseAsItIs) {
   EXPECT_THROW((void)c.number("mechanism.sensor_response.T.gian"), InputError);
   EXPECT_THROW((void)c.number("mechanism.sensor_response.G.gain"), InputError);
   EXPECT_EQ(c.echo(), before);
-  // A parameter that stands for one takes its nominal from the common value and is itself no value of the case.
+  // A parameter that represents one takes its nominal from the common value and is itself no value of the case.
   const ForwardCase fitted =
       small_case("[mechanism.sensor_response]\nenabled = true\ngain = 1.05\n[parameter.g]\nkey = \"mechanism.sensor_response.T.gain\"\nmin = 0.8\nmax = 1.2\n");
   EXPECT_EQ(*fitted.parameters[0].nominal, 1.05);
@@ -186,7 +186,8 @@ TEST(ForwardCase, ErrorsSayWhereAndWhat) {
 
 TEST(ForwardCase, AnEndThatIsNoMultipleOfTheIntervalIsRefused) {
   TimeOptions t;
-  t.end = 1.05e-5, t.output_interval = 1e-6;
+  t.end = 1.05e-5;
+  t.output_interval = 1e-6;
   EXPECT_THROW(t.validate(), InputError);
   t.end = 1e-5;
   EXPECT_NO_THROW(t.validate());

@@ -62,7 +62,7 @@ class OfStiffness : public LiquidLaw {
   double stiffness_;
 };
 
-/// A liquid whose stiffness is told from the greatest heating pressure of the run.
+/// A liquid whose stiffness is computed from the greatest heating pressure of the run.
 const MechanismEntry& stiff_by_heat() {
   static const MechanismEntry entry{.law = "K (1 + factor max p0 / K)",
                                     .keys = {{.name = "factor", .off = 0, .low = 0, .high = 1e4}},
@@ -100,11 +100,13 @@ double frequency(const ForwardCase& c) {
 
 }  // namespace
 
-// A wall that a mechanism thins rings as one that is made so thin, and its gauge stays on the outer face.
+// A wall that a mechanism thins rings as one that is made so thin, and its gauge remains on the outer face.
 TEST(MechanismPlaces, AThinnedWallHasTheFrequencyOfTheThinnerOne) {
   const ForwardCase thick = ringing_box(0.004), thin = ringing_box(0.002), thinned = with(thick, "thinner", thinner(), {{"fraction", 0.5}});
   const double f_thick = frequency(thick), f_thin = frequency(thin), f_thinned = frequency(thinned);
-  measured("thick", f_thick), measured("thin", f_thin), measured("thinned", f_thinned);
+  measured("thick", f_thick);
+  measured("thin", f_thin);
+  measured("thinned", f_thinned);
   EXPECT_NEAR(f_thinned, f_thin, 0.01 * f_thin);
   EXPECT_GT(f_thick, 1.2 * f_thin);  // control
   const BuiltInModel model(thinned, {.pulses = 1});

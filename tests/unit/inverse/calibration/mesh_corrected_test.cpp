@@ -209,7 +209,7 @@ std::string refusal(const std::string& table, const std::string& line) {
   return "";
 }
 
-TEST(OptionsThatBecameConstants, AreAnsweredWithWhatHolds) {
+TEST(OptionsThatBecameConstants, AreRefusedWithTheirValues) {
   EXPECT_THAT(refusal("enc", "compare_rounds = 2"), HasSubstr("four rounds"));
   EXPECT_THAT(refusal("enc", "agreement = 0.1"), HasSubstr("5 % of the bounds"));
   EXPECT_THAT(refusal("spe", "folds = 4"), HasSubstr("five folds"));
@@ -217,7 +217,7 @@ TEST(OptionsThatBecameConstants, AreAnsweredWithWhatHolds) {
   EXPECT_EQ(refusal("enc", "rounds = 4"), "");
 }
 
-TEST(MeshCorrectionOption, KeysThatItReplacesAreAnsweredWithIt) {
+TEST(MeshCorrectionOption, ReplacedKeysAreRefusedWithItsName) {
   for (const std::string table : {"enc", "spe"})
     for (const std::string key : {"mesh_pairs = 0", "mesh_beyond = 1", "draws = 8"}) {
       const std::string said = refusal(table, key);

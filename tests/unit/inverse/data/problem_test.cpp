@@ -273,13 +273,13 @@ TEST(Problem, ASingleSampleInCommonIsAnError) {
   EXPECT_EQ(make_problem(shape_of({"A"}, 1, 1), r, {}).time.size(), 1u);
 }
 
-TEST(Problem, AGaugeWithoutASampleIsTold) {
+TEST(Problem, AGaugeWithoutASampleIsReported) {
   auto r = recordings_of({"A", "B"}, {0, 1}, {0, 1});
   r.values = {1, 2, 3, 4, NAN, NAN, NAN, NAN};
   EXPECT_THAT(make_problem(shape_of({"A", "B"}, 2, 1), r, {}).warnings, testing::Contains(HasSubstr("sensor B has no sample")));
 }
 
-TEST(Problem, CopiesAreTold) {
+TEST(Problem, CopiesAreReported) {
   auto r = noisy(40, 1);
   EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), r, {}).warnings, testing::Each(testing::Not(HasSubstr("copy"))));
   auto pulse = r;
@@ -290,7 +290,7 @@ TEST(Problem, CopiesAreTold) {
   EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), r, {}).warnings, testing::Contains(HasSubstr("sensors A and B have the same record")));
 }
 
-TEST(Problem, NoiseThatIsLargerThanTheRecordIsTold) {
+TEST(Problem, NoiseThatIsLargerThanTheRecordIsReported) {
   auto r = recordings_of({"A"}, {0}, {0, 1, 2});
   r.values = {0, 1e-5, 2e-5};
   RecordingOptions options;

@@ -316,7 +316,8 @@ TEST(Recordings, NetcdfDimensionsMayStandInAnotherOrder) {
   const auto path = scratch("order") / "recordings.nc";
   {
     NetcdfWriter w(path);
-    w.dimension("time", 2), w.dimension("sensor", 3);
+    w.dimension("time", 2);
+    w.dimension("sensor", 3);
     const std::vector<double> time{0, 1}, strain{1, 2, 3, 4, 5, 6};
     const std::vector<std::string> names{"A", "B", "C"};
     w.variable("time", {"time"}, time, {{"units", "ms"}});

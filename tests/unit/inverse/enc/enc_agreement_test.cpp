@@ -69,9 +69,9 @@ TEST(ObjectiveGradient, AgreesWithDifferences) {
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   for (const char* name : {"paper_enc", "paper_spe", "rrmse"}) {
     const Objective& objective = objectives().get(name);
-    const auto slope = objective_gradient(c.problem, objective, values, 0.3);
+    const auto gradient = objective_gradient(c.problem, objective, values, 0.3);
     double largest = 0;
-    for (const double w : slope.weights) largest = std::max(largest, std::abs(w));
+    for (const double w : gradient.weights) largest = std::max(largest, std::abs(w));
     for (const std::size_t i : {7u, 60u, 233u, 300u, 471u, 599u}) {
       const double h = 1e-10, keep = values[i];
       values[i] = keep + h;
@@ -79,7 +79,7 @@ TEST(ObjectiveGradient, AgreesWithDifferences) {
       values[i] = keep - h;
       const double down = cost_at(c, objective, values, 0.3);
       values[i] = keep;
-      EXPECT_NEAR(slope.weights[i], (up - down) / (2 * h), 1e-4 * largest) << name << ' ' << i;
+      EXPECT_NEAR(gradient.weights[i], (up - down) / (2 * h), 1e-4 * largest) << name << ' ' << i;
     }
   }
 }
@@ -88,9 +88,9 @@ TEST(ObjectiveGradient, OfTheWrongSignWouldNotPass) {  // control: the check abo
   const Case c;
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   const Objective& objective = objectives().get("paper_enc");
-  const auto slope = objective_gradient(c.problem, objective, values, 0.3);
+  const auto gradient = objective_gradient(c.problem, objective, values, 0.3);
   std::vector<double> down = values, up = values;
-  for (std::size_t i = 0; i < values.size(); ++i) down[i] -= 1e-14 * slope.weights[i], up[i] += 1e-14 * slope.weights[i];
+  for (std::size_t i = 0; i < values.size(); ++i) down[i] -= 1e-14 * gradient.weights[i], up[i] += 1e-14 * gradient.weights[i];
   const double here = cost_at(c, objective, values, 0.3);
   EXPECT_LT(cost_at(c, objective, down, 0.3), here);
   EXPECT_GT(cost_at(c, objective, up, 0.3), here);
@@ -155,7 +155,7 @@ TEST(EncAgreement, OptimisersAndObjectivesAgreeWhereTheModelIsTheTruth) {
   EXPECT_GT(a.evaluations, 0u);
 }
 
-TEST(EncAgreement, ObjectivesDisagreeWhereOneGaugeSaysWhatTheModelCannot) {
+TEST(EncAgreement, ObjectivesDisagreeIfTheModelCannotFitOneGauge) {
   const Case c(true);
   const auto a = run(c, small()).agreement;
   EXPECT_FALSE(a.objectives_agree);

@@ -129,7 +129,7 @@ TEST(Enc, AFailedCandidateIsReplacedByAnother) {
   EXPECT_EQ(s.wanted, 5u);
 }
 
-TEST(Enc, WhenEveryRunFailsItSaysSo) {
+TEST(Enc, ReportsThatEveryRunFailed) {
   Case c;
   Oscillations broken;
   broken.fails = [](std::span<const double>) { return true; };
@@ -167,12 +167,12 @@ TEST(Enc, AnOptimumBeyondTheBoundsIsFoundOnTheBound) {
 TEST(Enc, ArtefactsHoldTheContract) {
   Case c;
   const auto dir = scratch("enc");
-  std::atomic<int> told{0};
+  std::atomic<int> calls{0};
   const auto s = run_enc(c.problem, c.model, c.model, small(), 1, 2, [&](const std::string&, std::size_t done, std::size_t total) {
     EXPECT_LE(done, total);
-    ++told;
+    ++calls;
   });
-  EXPECT_EQ(told, 8 + 6);
+  EXPECT_EQ(calls, 8 + 6);
   write_enc(s, c.problem, {.calibration = {.meaning = "tuned", .mesh = ""}, .agreement = "they agree"}, {.stage = "enc", .seed = 1}, dir);
   const Json j = read_json(dir / "enc.json");
   for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae", "rounds",

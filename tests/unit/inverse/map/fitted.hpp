@@ -31,7 +31,8 @@ struct Fitted {
   /// A box about `centre`, half as wide as given, in the logarithm where the lower bound is positive.
   MapSummary map(std::vector<double> centre, std::vector<double> half_width, const std::vector<MechanismDirections>& left_out = {},
                  const NestedModel* nested = nullptr) {
-    in.centre = std::move(centre), in.half_width = std::move(half_width);
+    in.centre = std::move(centre);
+    in.half_width = std::move(half_width);
     fit = fit_posterior(in);
     std::function<std::vector<MechanismDirections>(std::span<const double>)> directions;
     if (!left_out.empty()) directions = [&](std::span<const double>) { return left_out; };

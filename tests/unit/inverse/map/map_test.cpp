@@ -60,7 +60,7 @@ TEST(Map, OfALinearModelIsTheClosedForm) {
   EXPECT_TRUE(summary.check.holds || summary.check.runs[0].distance < 1e-5) << summary.check.p_value;
 }
 
-TEST(Map, AFitThatIsNotAdequateSaysSoAndIsNotWidened) {
+TEST(Map, AnInadequateFitIsReportedAndNotInflated) {
   const auto model = line();
   auto recordings = pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4);
   Fitted plain(model, recordings, noise_of(0.05));
@@ -74,7 +74,7 @@ TEST(Map, AFitThatIsNotAdequateSaysSoAndIsNotWidened) {
   EXPECT_NEAR(summary.covariance(0, 0) / before.covariance(0, 0), 1, 0.01);
 }
 
-TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
+TEST(Map, APhysicalProductCompensatesForAnOmittedEffect) {
   const auto model = line();
   auto recordings = pulses_of(model, {3, -1.2}, {.pulses = 1, .noise = 0.02}, 4);
   const auto map = [&](bool discrepancy) {
@@ -87,7 +87,7 @@ TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
   // Nothing is missing from the model: scales close to zero have the weight, and the answer is nearly as certain as without a discrepancy.
   const auto [plain, one, of_plain] = map(false);
   EXPECT_EQ(one.size(), 1u);
-  const auto [honest, weights, hypotheses] = map(true);
+  const auto [plain, weights, hypotheses] = map(true);
   ASSERT_GT(weights.size(), 5u);
   double small = 0, total = 0;
   for (std::size_t j = 0; j < weights.size(); ++j) total += weights[j], small += hypotheses[j].discrepancy <= 0.01 ? weights[j] : 0;
@@ -100,7 +100,7 @@ TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
   for (std::size_t j = 0; j < bumped_weights.size(); ++j) scale += bumped_weights[j] * bumped_hypotheses[j].discrepancy;
   EXPECT_GT(scale, 0.02);
   EXPECT_TRUE(bumped.fit.adequate) << bumped.fit.p_value;
-  EXPECT_GT(bumped.covariance(0, 0), 4 * honest.covariance(0, 0));
+  EXPECT_GT(bumped.covariance(0, 0), 4 * plain.covariance(0, 0));
   EXPECT_LT(std::abs(bumped.theta[0] - 3), 3 * std::sqrt(bumped.covariance(0, 0)));
 }
 
@@ -186,7 +186,7 @@ TEST(Map, ARidgeOfConstantImpedanceIsNamed) {
   EXPECT_GT(open.sd, 2 * z.relative_sd);
 }
 
-TEST(Map, AnEmulatorThatHasNotSettledIsToldAndNotTrusted) {
+TEST(Map, AnEmulatorThatHasNotSettledIsReportedAndNotTrusted) {
   const auto model = ringing();
   Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
   f.in.emulator.rounds = 0;
@@ -209,7 +209,7 @@ TEST(Map, AModeAtWhichTheTrueModelFailsIsTheAnswerAndIsNotTrusted) {
   EXPECT_EQ(failed.best.message, "the step collapsed");
 }
 
-TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
+TEST(Map, ItsArtefactHasAllKeysOfTheContract) {
   const auto model = ringing();
   Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
   const auto summary = f.map({20.5e3, 1.3e4}, {0.06, 0.3});

@@ -35,7 +35,8 @@ struct Case {
   }
   Case(double curvature, std::uint64_t seed) : fitted(model, pulses_of(model, {0.7, -1.2, curvature}, {.pulses = 1, .noise = noise}, seed), recording()) {}
   NestedModel compare() {
-    fitted.in.held = {{2, 0.0}}, fitted.in.nested_centre = {0.7, -1.2, 0};
+    fitted.in.held = {{2, 0.0}};
+    fitted.in.nested_centre = {0.7, -1.2, 0};
     const NestedModel of{.name = "small.out", .added = {"c"}};
     return *fitted.map({0.7, -1.2, 0}, {2, 6, 6}, {}, &of).nested;
   }
@@ -83,9 +84,10 @@ TEST(NestedModel, WhatIsThereIsFavouredAndWhatIsNotThereNever) {
   EXPECT_EQ(j["theta"]["c"], 0.0);
 }
 
-TEST(NestedModel, ItsCentreStaysInTheBoxWhereverTheAnswerLies) {
+TEST(NestedModel, ItsCentreIsInTheBoxForEveryMode) {
   Case c(3, 5);
-  c.fitted.in.held = {{2, 0.0}}, c.fitted.in.nested_centre = {1.5, 2, 0};
+  c.fitted.in.held = {{2, 0.0}};
+  c.fitted.in.nested_centre = {1.5, 2, 0};
   const NestedModel of{.name = "small.out", .added = {"c"}};
   const auto n = c.fitted.map({0.7, -1.2, 3}, {0.5, 1, 1}, {}, &of).nested;
   EXPECT_NEAR(n->log_bayes_factor, c.closed_form(), 0.1);

@@ -20,7 +20,8 @@ struct Directed : Oscillations {
   explicit Directed(std::size_t n_times, Eigen::Index rank = 7) : Oscillations(n_times) {
     RandomStream random(5, 1);
     const auto values = Eigen::Index(shape().values());
-    base.offset.resize(values), base.directions.resize(values, rank);
+    base.offset.resize(values);
+    base.directions.resize(values, rank);
     for (auto& x : base.offset) x = float(1e-4 * random.normal());
     for (auto& x : base.directions.reshaped()) x = float(1e-4 * random.normal());
   }
@@ -53,7 +54,10 @@ Eigen::MatrixXd points_in(const ModelShape& shape, Eigen::Index n) {
 /// Records of a wave with noise at every time step or between the steps, with dropouts and a gauge that was not recorded.
 Recordings gauges(const ModelShape& shape, double step) {
   Recordings r;
-  r.conditions = shape.conditions, r.sensors = {"C", "A"}, r.sensor_lines = {0, 0}, r.pulses = {0, 1, 2, 3};
+  r.conditions = shape.conditions;
+  r.sensors = {"C", "A"};
+  r.sensor_lines = {0, 0};
+  r.pulses = {0, 1, 2, 3};
   for (double t = 0; t <= shape.times.back(); t += step) r.time.push_back(t);
   r.values.resize(r.sensors.size() * r.pulses.size() * r.time.size());
   RandomStream random(2, 0);
@@ -66,7 +70,7 @@ Recordings gauges(const ModelShape& shape, double step) {
 
 }  // namespace
 
-TEST(BatchScorer, SaysWhatScoresOfTheHistoriesSayByEveryInstructionSet) {
+TEST(BatchScorer, AgreesWithScoresOfTheHistoriesOnEveryInstructionSet) {
   for (const std::size_t times : {64u, 333u})
     for (const double step : {1.0, 0.7}) {  // on the simulation's times, and between them
       const Directed model(times, times == 64 ? 1 : 23);
@@ -132,14 +136,14 @@ TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
   thetas.row(1) = thetas.row(1).cwiseMin(1900);
   const auto values = Eigen::Index(model.shape().values());
   RandomStream random(4, 4);
-  Eigen::MatrixXd taught(values, 30);
-  for (auto& x : taught.reshaped()) x = 1e-5 * random.normal();
+  Eigen::MatrixXd trained(values, 30);
+  for (auto& x : trained.reshaped()) x = 1e-5 * random.normal();
   EmulatorRuns two_meshes{first_design(3, 30, 5), std::vector<int>(30, 1), 2};
   std::fill(two_meshes.level.begin() + 20, two_meshes.level.end(), 0);
   std::vector<double> low, high;
   for (const auto& q : parameters) low.push_back(q.min), high.push_back(q.max);
   const EmulatorBox box(parameters, low, high);
-  const MeshCorrection mesh(box, MultilevelRegression(two_meshes, 1e5 * taught, Eigen::VectorXd::Ones(values)), taught, 1, {}, {}), no_mesh;
+  const MeshCorrection mesh(box, MultilevelRegression(two_meshes, 1e5 * trained, Eigen::VectorXd::Ones(values)), trained, 1, {}, {}), no_mesh;
   std::vector<bool> failures(33, false);
   failures[20] = failures[21] = true;
   const Feasibility feasibility(parameters, thetas, failures);

@@ -48,7 +48,8 @@ TEST(Dgs, CostsWhatThePaperCounts) {
   EXPECT_EQ(dgs_evaluations({}, 3), 26u);
   std::size_t evaluations = 0, calls = 0;
   const BatchFunction counted = [&](const Eigen::MatrixXd& points, std::span<double> values) {
-    evaluations += std::size_t(points.cols()), ++calls;
+    evaluations += std::size_t(points.cols());
+    ++calls;
     batched(bowl)(points, values);
   };
   (void)minimise_dgs(counted, random_starts(50, 1), {}, 100, 1);
@@ -70,7 +71,8 @@ TEST(Dgs, EscapesRipplesWhereALocalGradientDoesNot) {
   const auto smoothed = minimise_dgs(batched(rippled), starts, {}, 100, 1);
   // Negative control: a radius far below the wavelength is the plain gradient, with a line search no longer than a ripple.
   DgsOptions local;
-  local.radius = 1e-3, local.longest_step = 0.03;
+  local.radius = 1e-3;
+  local.longest_step = 0.03;
   const auto plain = minimise_dgs(batched(rippled), starts, local, 100, 1);
   int home = 0, plain_home = 0;
   for (std::size_t i = 0; i < smoothed.size(); ++i) home += (smoothed[i].x - centre).norm() < 0.04, plain_home += (plain[i].x - centre).norm() < 0.04;
@@ -99,7 +101,7 @@ TEST(Dgs, TrialsDependOnTheirSeedAndIndexAlone) {
   EXPECT_EQ(minimise_dgs(batched(rippled), starts, fixed, 20, 7)[0].x, minimise_dgs(batched(rippled), starts, fixed, 20, 8)[0].x);
 }
 
-TEST(Dgs, AsksForStepsThatDescend) {
+TEST(Dgs, RequiresDescendingSteps) {
   CaseFile file = CaseFile::from_text("[dgs]\nlongest_step = 0.01\nshortest_step = 0.1\n");
   DgsOptions o;
   EXPECT_THROW(file.read("dgs", o), InputError);

@@ -52,7 +52,8 @@ Outcome outcome(const OptimizerEntry& entry, Function f, double floor = 1e-300) 
   double sum = 0, squares = 0;
   for (std::uint64_t s = 0; s < runs; ++s) {
     const double v = std::log10(std::max(floor, minimise(entry, batched(f), box, {60, 40}, 11, s).f));
-    sum += v, squares += v * v;
+    sum += v;
+    squares += v * v;
   }
   const double mean = sum / runs;
   return {mean, std::sqrt(std::max(0.0, squares / runs - mean * mean) / (runs - 1))};
@@ -118,7 +119,7 @@ TEST_P(EveryOptimizer, StaysInTheBoxAndItsTraceFallsToTheResult) {
   }
 }
 
-TEST_P(EveryOptimizer, BearsFailedEvaluations) {
+TEST_P(EveryOptimizer, ToleratesFailedEvaluations) {
   const BatchFunction holes = [](const Eigen::MatrixXd& points, std::span<double> values) {
     for (Eigen::Index i = 0; i < points.cols(); ++i)
       values[std::size_t(i)] = points(0, i) < 0 ? std::numeric_limits<double>::infinity() : (points.col(i) - optimum).squaredNorm();

@@ -27,8 +27,13 @@ struct Noisy {
   [[nodiscard]] PosteriorInputs inputs() const {
     PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = recording_options};
     in.errors = {.values = 40, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .beyond_sd = 0, .beyond_rest = 0};
-    in.emulator.coarse_runs = 24, in.emulator.fine_runs = 12, in.emulator.round_coarse = in.emulator.round_fine = 2;
-    in.parameters = parameters, in.levels = 2, in.centre = {2.2, 0.7}, in.half_width = {0.6, 0.6};
+    in.emulator.coarse_runs = 24;
+    in.emulator.fine_runs = 12;
+    in.emulator.round_coarse = in.emulator.round_fine = 2;
+    in.parameters = parameters;
+    in.levels = 2;
+    in.centre = {2.2, 0.7};
+    in.half_width = {0.6, 0.6};
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> all;
       for (std::size_t i = 0; i < level.size(); ++i) {
@@ -56,7 +61,8 @@ TEST(BootstrapWeights, AreThoseOfADirichletAndComeFromSeedAndDrawAlone) {
   for (int b = 0; b < n; ++b) {
     const Eigen::VectorXd a = bootstrap_weights(left, 1, std::uint64_t(b));
     EXPECT_NEAR(a.sum(), nu, 1e-12);
-    mean += a / n, square += a.cwiseAbs2() / n;
+    mean += a / n;
+    square += a.cwiseAbs2() / n;
   }
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double variance = left[i] * (nu - left[i]) / (nu + 1);
@@ -69,7 +75,7 @@ TEST(BootstrapWeights, AreThoseOfADirichletAndComeFromSeedAndDrawAlone) {
 }
 
 // 36 runs and 21 coefficients leave 15 squares. The scatter of a drawn variance is compared with that of the estimate over many sets of runs.
-TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficientsAreMany) {
+TEST(BootstrapWeights, HaveTheVarianceOfTheEstimateAlsoWithManyCoefficients) {
   constexpr Eigen::Index runs = 36;
   const Eigen::MatrixXd u = first_design(5, int(runs), 2);
   const EmulatorRuns design{.u = u, .level = std::vector<int>(std::size_t(runs), 0), .levels = 1};
@@ -88,19 +94,21 @@ TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficients
     const Eigen::MatrixXd rest = regression.residuals(noise());
     const Eigen::VectorXd squares = rest.row(0).cwiseAbs2().transpose();
     const double estimate = squares.sum() / left.sum();
-    mean += estimate / sets, square += estimate * estimate / sets;
-    const auto spread = [&](const Eigen::VectorXd& weights_of, const Eigen::VectorXd& per_weight, double& total) {
+    mean += estimate / sets;
+    square += estimate * estimate / sets;
+    const auto add_variance = [&](const Eigen::VectorXd& weights_of, const Eigen::VectorXd& per_weight, double& total) {
       double m = 0, q = 0;
       for (int b = 0; b < draws; ++b) {
         const double v = bootstrap_weights(weights_of, std::uint64_t(s), std::uint64_t(b)).dot(per_weight);
-        m += v / draws, q += v * v / draws;
+        m += v / draws;
+        q += v * v / draws;
       }
       total += (q - m * m) * draws / (draws - 1) / sets;
       return m;
     };
-    drawn_mean += spread(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // control: Rubin's weights, without the correction for the coefficients
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // control: uncorrected residuals
+    drawn_mean += add_variance(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
+    (void)add_variance(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // control: Rubin's weights, without the correction for the coefficients
+    (void)add_variance(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // control: uncorrected residuals
   }
   const double variance = square - mean * mean;  // 2 / 15 of sigma^4; known to 4 %
   EXPECT_NEAR(mean, 1, 0.05);
@@ -121,16 +129,20 @@ TEST(DrawNoise, LiesAboutTheEstimateAndIsTheSameOnAnyThreads) {
   double scale = 0, square = 0, log_ratio = 0, ratio_square = 0;
   for (const auto& d : drawn) {
     EXPECT_DOUBLE_EQ(d.noise_ratio[0], 1);
-    scale += d.scale / n, square += d.scale * d.scale / n, log_ratio += std::log(d.noise_ratio[1]) / n,
-        ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
+    scale += d.scale / n;
+    square += d.scale * d.scale / n;
+    log_ratio += std::log(d.noise_ratio[1]) / n;
+    ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
   }
-  const double spread = std::sqrt(square - scale * scale), ratio_spread = std::sqrt(ratio_square - log_ratio * log_ratio), truth = std::log(9.0);
+  const double sd = std::sqrt(square - scale * scale);
+  const double ratio_sd = std::sqrt(ratio_square - log_ratio * log_ratio);
+  const double truth = std::log(9.0);
   EXPECT_NEAR(scale, 1, 0.1);
-  EXPECT_GT(spread, 0.02);
-  EXPECT_LT(spread, 0.5);
+  EXPECT_GT(sd, 0.02);
+  EXPECT_LT(sd, 0.5);
   // The true ratio of the noise variances of the meshes is 9.
-  EXPECT_LT(std::abs(log_ratio - truth), 4 * ratio_spread);
-  EXPECT_GT(ratio_spread, 0.02);
+  EXPECT_LT(std::abs(log_ratio - truth), 4 * ratio_sd);
+  EXPECT_GT(ratio_sd, 0.02);
   const auto again = draw_noise(in, fit, 3, 3, 1), other = draw_noise(in, fit, 1, 4, 1);
   for (std::size_t b = 0; b < 3; ++b) EXPECT_EQ(again[b].scale, drawn[b].scale);
   EXPECT_NE(other[0].scale, drawn[0].scale);

@@ -129,7 +129,8 @@ TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError)
     // Variance of one pulse after the filter.
     const double due = 4 * filtered_covariance(grid.windows(0), grid.record_time(), 8e-6, 0).diagonal().mean();
     const double mean = s.pulse.diagonal().mean(), se = due * std::sqrt(2 / s.freedom);
-    z += (mean - due) / se / sets, squares += std::pow((mean - due) / se, 2) / sets;
+    z += (mean - due) / se / sets;
+    squares += std::pow((mean - due) / se, 2) / sets;
   }
   EXPECT_LT(std::abs(z), 4 / std::sqrt(double(sets)));  // the standard error of the mean is 1 / sqrt(sets)
   EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / sets));
@@ -234,12 +235,13 @@ TEST(ErrorModel, MarginalNuisancesAreTheIntegralOverThem) {
   EXPECT_NEAR(log_density(marginal, r), log_density(plain, r) + std::log(integral), 1e-8);
 }
 
-TEST(ErrorModel, EveryTermStandsWhereItShould) {
+TEST(ErrorModel, EveryTermIsInItsPlace) {
   const Small s;
   const ErrorOptions options{.values = 12, .band = 1e9, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .beyond_rest = 0.5};
   ErrorDirections d;
   d.gauge_places = Eigen::MatrixXd::Zero(80, 2);  // one direction that all gauges share, one of the second gauge alone
-  d.gauge_places.col(0).setConstant(3), d.gauge_places.col(1).tail(40).setConstant(5);
+  d.gauge_places.col(0).setConstant(3);
+  d.gauge_places.col(1).tail(40).setConstant(5);
   d.last_difference = Eigen::VectorXd::Constant(80, 4);
   const ErrorModel m(s.problem, s.recordings, {}, options, d);
   const auto& grid = m.grid();
@@ -300,7 +302,7 @@ TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
   const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_LT(s.off(m, s.noise), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
-  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of the variance stays white
+  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of the variance remains white
   const ErrorModel coloured(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
@@ -311,7 +313,9 @@ TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
 // pulses were named where nothing was missing.
 TEST(ErrorModel, ASinglePulseHasTheErrorsOfItsGaugesAndAnEnergyOfItsOwn) {
   OnePulse s;
-  s.plain.gain_sd = 0.03, s.plain.energy_scale_sd = 0.02, s.plain.baseline = 0.5;
+  s.plain.gain_sd = 0.03;
+  s.plain.energy_scale_sd = 0.02;
+  s.plain.baseline = 0.5;
   const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
   const Eigen::VectorXd y = m.data();
   Eigen::MatrixXd expected = s.noise + 4e-4 * y * y.transpose();

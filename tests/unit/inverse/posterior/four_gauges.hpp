@@ -32,7 +32,10 @@ struct FourGauges {
   PosteriorFit fit;
 
   explicit FourGauges(const Spoilt& spoilt) : recordings(pulses_of(model(parameters, spoilt), {1.01}, {.pulses = 10, .noise = 2, .noise_time = 3e-6}, 5)) {
-    inputs.parameters = parameters, inputs.levels = 1, inputs.centre = {1}, inputs.half_width = {0.06};
+    inputs.parameters = parameters;
+    inputs.levels = 1;
+    inputs.centre = {1};
+    inputs.half_width = {0.06};
     inputs.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> all;
       for (std::size_t i = 0; i < level.size(); ++i) {

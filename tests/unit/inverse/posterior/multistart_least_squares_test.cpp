@@ -30,7 +30,8 @@ struct RecordedWave {
       for (std::size_t i = 0; i < level.size(); ++i) {
         const Eigen::VectorXd theta = thetas.col(Eigen::Index(i));
         const auto p = model.evaluate({theta.data(), std::size_t(theta.size())});
-        all[i].done = true, all[i].mean.assign(p.mean.begin(), p.mean.end());
+        all[i].done = true;
+        all[i].mean.assign(p.mean.begin(), p.mean.end());
         for (auto& v : all[i].mean) v *= float(off());
       }
       return all;
@@ -57,9 +58,11 @@ struct RecordedWave {
 };
 
 // A parameter that the records do not constrain has its prior as posterior. A box of fewer deviations cuts it, and so do deviations from chains in such a box.
-TEST(MultistartFit, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMiddleAtLeast) {
+TEST(MultistartFit, ParametersThatTheRecordsDoNotDetermineHaveABoxOfAtLeastThreePriorDeviations) {
   Parameter idle = uniform_parameter("z", 0.01, 100, 1);
-  idle.prior = "lognormal", idle.mu = std::log(2), idle.sigma = 0.7;
+  idle.prior = "lognormal";
+  idle.mu = std::log(2);
+  idle.sigma = 0.7;
   const RecordedWave wave({idle});
   PosteriorInputs in = wave.inputs([] { return 1.0; });
   place_box_by_least_squares(in);

@@ -44,7 +44,7 @@ TEST(PosteriorSetup, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
   EXPECT_TRUE(basin_on_surrogate(study(density + normal, {"emulator.start=surrogate"})));
 }
 
-TEST(PosteriorSetup, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
+TEST(PosteriorSetup, TheMeshErrorIsThatOfTheMeshThatItRepresents) {
   const double own = own_mesh_error(study(density));
   EXPECT_GT(own, 0);
   EXPECT_EQ(own_mesh_error(study(density, {"emulator.element_sizes=[1e-3]"})), 0.08);

@@ -117,7 +117,7 @@ TEST(LogPosterior, GradientsAreThoseOfDifferences) {
   }
 }
 
-// The likelihood is raised to a power. Prior and Jacobian stay, and the gradient agrees with finite differences.
+// The likelihood is raised to a power. Prior and Jacobian remain, and the gradient agrees with finite differences.
 TEST(LogPosterior, ToAPowerHasThatMuchLessOfTheLikelihood) {
   const Lines lines;
   const LogPosterior posterior = lines.posterior(0.3, lines.errors), weaker = posterior.to_the_power(0.5);
@@ -246,7 +246,7 @@ TEST(FitPosterior, FindsTheTruthBeyondTheFinestMeshWithinItsDeviations) {
   EXPECT_LT((emulated - e).norm() / e.norm(), 0.05);
 }
 
-TEST(FitPosterior, TheFinestMeshAloneIsBiasedAndTheControlSaysSo) {
+TEST(FitPosterior, TheFinestMeshAloneIsBiased) {
   Meshes meshes;
   auto in = meshes.inputs();
   in.errors.beyond = 0, in.errors.beyond_sd = 0, in.errors.beyond_rest = 0;
@@ -321,7 +321,7 @@ TEST(HeldToTheModel, AnExactModelIsItsRunAtTheMode) {
   });
 }
 
-TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
+TEST(FitPosterior, ReportsThatTooFewRunsSucceeded) {
   Meshes meshes;
   auto in = meshes.inputs();
   in.run = [](const Eigen::MatrixXd&, const std::vector<int>& level) { return std::vector<RunRecord>(level.size(), {.message = "the step collapsed"}); };

@@ -16,7 +16,13 @@ std::vector<Parameter> every_kind() {
   for (const char* kind : {"uniform", "normal", "truncated_normal", "lognormal", "half_cauchy", "beta"}) {
     Parameter p = uniform_parameter(kind, 0.5, 4, 2);
     p.prior = kind;
-    p.mean = 1.0, p.sd = 0.8, p.mu = 0.3, p.sigma = 0.6, p.scale = 1.5, p.alpha = 2.5, p.beta = 1.7;
+    p.mean = 1.0;
+    p.sd = 0.8;
+    p.mu = 0.3;
+    p.sigma = 0.6;
+    p.scale = 1.5;
+    p.alpha = 2.5;
+    p.beta = 1.7;
     all.push_back(p);
   }
   return all;
@@ -45,7 +51,7 @@ TEST(Prior, ProbabilityBelowAQuantileIsTheQuantiles) {
   }
 }
 
-TEST(Prior, SlopeIsTheDerivative) {
+TEST(Prior, GradientIsTheDerivative) {
   for (const auto& p : every_kind()) {
     const Prior prior(p);
     for (const double x : {0.7, 1.9, 3.3}) {
@@ -68,8 +74,10 @@ TEST(Prior, IsNothingOutsideItsSupport) {
 TEST(HandbookPriors, ReplaceTheCasesOwnAndRefuseAUniformStranger) {
   std::vector<Parameter> parameters{uniform_parameter("rho", 1000, 14000, 13500), uniform_parameter("c", 500, 4000, 1450),
                                     uniform_parameter("cutoff", 0, 1.5e6, 1.5e5), normal_parameter("young", 193e9, 4e9)};
-  parameters[0].key = "material.mercury.density", parameters[1].key = "material.mercury.sound_speed";
-  parameters[2].key = "material.mercury.tensile_cutoff", parameters[3].key = "material.steel.young";
+  parameters[0].key = "material.mercury.density";
+  parameters[1].key = "material.mercury.sound_speed";
+  parameters[2].key = "material.mercury.tensile_cutoff";
+  parameters[3].key = "material.steel.young";
   const std::vector<HandbookPrior> known{
       {"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
   const auto handbook = with_handbook_priors(parameters, known);

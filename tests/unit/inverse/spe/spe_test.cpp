@@ -180,7 +180,7 @@ TEST(Spe, FailedRunsAreLeftOutAndFailedCandidatesReplaced) {
   EXPECT_GE(away(t.theta), 0.02);
 }
 
-TEST(Spe, WhenAllCoefficientsVanishItSaysSo) {
+TEST(Spe, ReportsThatAllCoefficientsVanish) {
   Case c;
   SpeOptions o = small();
   o.lambda_scale = "absolute", o.lambdas = {1e7, 1e8};

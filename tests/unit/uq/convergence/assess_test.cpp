@@ -164,7 +164,7 @@ TEST(Assess, ChainsThatDoNotMoveAndNumbersThatAreNoneAreNotConverged) {
 }
 
 TEST(Assess, LongTailsSeldomVisitedAreFound) {
-  // A bulk that mixes and a tail that is entered once in a while and stays.
+  // A bulk that mixes and a tail that is entered once in a while and remains.
   auto x = chains_of(4, 2000);
   for (std::size_t c = 0; c < 4; ++c)
     for (std::size_t k = 0; k < 2; ++k)

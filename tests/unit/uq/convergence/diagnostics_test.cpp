@@ -56,14 +56,14 @@ TEST(Convergence, EffectiveSampleSizeOfAnAutoregressionIsKnown) {
   }
 }
 
-TEST(Convergence, AlternatingChainsAreWorthMoreThanTheirDraws) {
+TEST(Convergence, AlternatingChainsHaveMoreEffectiveSamplesThanDraws) {
   const auto x = chains_of(4, 1000, -0.3);
   EXPECT_GT(ess_mean({x, 4}), 4000);
   const auto y = chains_of(4, 1000, -0.95);
   EXPECT_NEAR(ess_mean({y, 4}), 4000 * std::log10(4000.0), 1e-6);  // no more than that
 }
 
-TEST(Convergence, ChainsThatStandStillOrAreNotFiniteHaveNoAnswer) {
+TEST(Convergence, ConstantOrNonFiniteChainsHaveNoResult) {
   const std::vector<double> same(40, 3.0);
   EXPECT_TRUE(std::isnan(split_r_hat({same, 4})));
   EXPECT_TRUE(std::isnan(ess_bulk({same, 4})));

@@ -89,7 +89,8 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   ASSERT_EQ(json["gauges"].size(), sensors);
   for (const auto& g : json["gauges"]) {
     EXPECT_LT(g["after"].get<double>(), g["before"].get<double>()) << g["name"];
-    held_out += g["heldout_before"].get<double>() / double(sensors), before += g["before"].get<double>() / double(sensors);
+    held_out += g["heldout_before"].get<double>() / double(sensors);
+    before += g["before"].get<double>() / double(sensors);
   }
   EXPECT_NEAR(held_out, d.hold_out.before, 1e-6);  // the mean over the gauges is the rule's own number
   EXPECT_NEAR(before, json["fit"]["before"]["compared_nrmse"].get<double>(), 1e-12);
@@ -165,7 +166,7 @@ TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
 }
 
 // Such a gauge leads the fit astray: the diagnosis ends after the runs that a box begins with, and screens no mechanism.
-TEST(Diagnosis, EndsWhereGaugesLookMixedUp) {
+TEST(Diagnosis, EndsIfChannelsAreMixedUp) {
   const auto folder = scratch("diagnosis_mixed_up");
   for (const double gain : {-1.0, 0.1}) {
     const Diagnosis d = Experiment(0.25, 0, 0, gain, 21).diagnosed(folder);
@@ -226,7 +227,7 @@ TEST(Diagnosis, AFaultyGaugeBesideAnEffectIsNamedWithIt) {
 }
 
 // The numbers have nearly the effect of a parameter. Estimated beside the parameters' mode, they take away as much of chi-squared as is reported.
-TEST(Diagnosis, ManySmallNumbersFitTheRecordsAsWellAsTheirChiSquaredSays) {
+TEST(Diagnosis, ManySmallParametersFitTheRecordsAsWellAsTheirChiSquared) {
   const double value = 0.08, of_amplitude = 1;
   const Experiment experiment(value, 0, 0, 1, 1);
   const RunAdded runs = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> which) {

@@ -15,7 +15,7 @@ TEST_F(Wiring, IsInOrderWhereEachRecordIsLikeItsGauge) {
   Eigen::VectorXd records = simulation;
   records.segment(at(2), size()) *= 0.4;  // a gain is another fault
   EXPECT_THAT(mislabelled_channels(problem, grid, records, simulation), IsEmpty());
-  records.segment(at(0), size()).swap(records.segment(at(1), size()));  // nobody could tell
+  records.segment(at(0), size()).swap(records.segment(at(1), size()));  // the channels cannot be distinguished
   EXPECT_THAT(mislabelled_channels(problem, grid, records, simulation), IsEmpty());
 }
 

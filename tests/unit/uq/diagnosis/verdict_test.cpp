@@ -70,8 +70,8 @@ TEST(Verdict, NumericsThatExplainAsMuchAreUnknownWhateverLiesBetween) {
   second.name = "previous_pulses";
   const Verdict behind = judge(poor(), {beam(), second, numerics});
   EXPECT_EQ(behind.kind, VerdictKind::unknown);
-  EXPECT_EQ(behind.reason.gate, Gate::numerical_rival);
-  EXPECT_EQ(behind.reason.numerical_rival, "numerics");
+  EXPECT_EQ(behind.reason.gate, Gate::numerical_competitor);
+  EXPECT_EQ(behind.reason.numerical_competitor, "numerics");
   EXPECT_EQ(behind.reason.leading, "beam_profile");
   numerics = weaker(beam(), 30);
   numerics.name = "numerics";
@@ -145,7 +145,7 @@ TEST(Verdict, APairIsOneOfMany) {
   EXPECT_GT(against(3), 2 * against(13));
 }
 
-TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
+TEST(Verdict, IsNoneIfTheBaseModelIsAdequate) {
   Explanation weak = beam();
   weak.log_bayes_factor = 2;
   const Verdict v = judge(good(), {weak, rear()});
@@ -165,7 +165,7 @@ VerdictReason reason_of_unknown(const BaseEvidence& base, std::vector<Explanatio
 }
 Gate gate_of_unknown(const BaseEvidence& base, std::vector<Explanation> all) { return reason_of_unknown(base, std::move(all)).gate; }
 
-TEST(Verdict, SaysUnknownForEachReason) {
+TEST(Verdict, IsUnknownForEachReason) {
   Explanation x = beam();
   x.log_bayes_factor = Gates{}.log_bayes_factor - 0.5;
   EXPECT_EQ(gate_of_unknown(poor(), {x}), Gate::evidence);
@@ -198,7 +198,7 @@ TEST(Verdict, SaysUnknownForEachReason) {
   Explanation mesh = weaker(beam(), 0.9 * Gates{}.lead);
   mesh.name = "numerics";
   mesh.numerical = true;
-  EXPECT_EQ(reason_of_unknown(poor(), {beam(), mesh}).numerical_rival, "numerics");
+  EXPECT_EQ(reason_of_unknown(poor(), {beam(), mesh}).numerical_competitor, "numerics");
   EXPECT_EQ(reason_of_unknown(poor(), {}).leading, "");
   EXPECT_FALSE(reason_of_unknown(poor(), {}).base_adequate);
   x = beam();

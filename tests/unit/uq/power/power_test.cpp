@@ -32,7 +32,7 @@ TEST(Power, IsThatOfTheDiagnosis) {
   ASSERT_TRUE(echo.from);
   EXPECT_GT(*echo.from, 0.001);
   EXPECT_LT(*echo.from, 0.5);
-  // Six gauges tell more than the first alone.
+  // Six gauges contain more information than the first alone.
   EXPECT_GT(plans[1].gain, 0);
   const Detectable& alone = of(plans[0], "echo.strength");
   if (alone.from) {

@@ -16,7 +16,8 @@ inline constexpr std::size_t calibration_draws = 19;  ///< L
 /// Settings by which the L draws of one chain, or of the first walker of one ensemble, are nearly independent.
 inline SamplerOptions calibration_options(const std::string& kind) {
   SamplerOptions o = default_sampler_options(kind);
-  o.chains = 1, o.draws = int(calibration_draws);
+  o.chains = 1;
+  o.draws = int(calibration_draws);
   o.warmup = kind == "dram" ? 1000 : 300;
   o.thin = kind == "dram" ? 30 : kind == "ensemble" ? 30 : kind == "smc" ? 10 : kind == "nuts" ? 4 : 3;
   return o;

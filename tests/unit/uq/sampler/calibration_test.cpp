@@ -13,6 +13,6 @@ TEST(SimulationBasedCalibration, RanksOfEverySamplerAreUniform) {
   }
 }
 
-TEST(SimulationBasedCalibration, ADroppedJacobianIsToldByTheRanksOfItsCoordinate) {
+TEST(SimulationBasedCalibration, ADroppedJacobianShowsInTheRanksOfItsCoordinate) {
   for (const auto& kind : samplers().names()) EXPECT_LT(uniformity(calibration_ranks(kind, 120, 1, false)[1], 5), 1e-3) << kind;
 }

@@ -28,7 +28,8 @@ class ConjugateNormal : public LogDensity {
     double squares = k0 * (mu - m0) * (mu - m0) + 2 * b0, slope = k0 * (m0 - mu);
     for (const double y : data_) squares += (y - mu) * (y - mu), slope += y - mu;
     const double power = 0.5 * (n + 1) + a0 + 1 - (jacobian_ ? 1 : 0);
-    g[0] = slope / s, g[1] = 0.5 * squares / s - power;
+    g[0] = slope / s;
+    g[1] = 0.5 * squares / s - power;
     return -0.5 * squares / s - power * log_s - 0.5 * (n + 1) * std::log(2 * std::numbers::pi) + 0.5 * std::log(k0) + a0 * std::log(b0) - std::lgamma(a0);
   }
 

@@ -40,7 +40,7 @@ TEST(TwoStages, TheExactDensityIsSampledWhateverTheCheapOneIs) {
   for (std::size_t i = 0; i < r.log_density.size(); ++i) ASSERT_EQ(r.log_density[i], exact.log_density(std::span(r.coordinates.values).subspan(2 * i, 2)));
 }
 
-TEST(TwoStages, TheExactDensityIsAskedOnceATransitionAndInTheWarmUpAtItsEndAlone) {
+TEST(TwoStages, TheExactDensityIsEvaluatedOnceATransitionAndInTheWarmUpAtItsEndAlone) {
   const auto cheap = shifted(0.2, 1.1), exact = shifted(0, 1);
   const auto r = run_sampler(cheap, exact, at(2, 0), delayed(500, 100), {.seed = 2, .threads = 2});
   EXPECT_EQ(r.summary.evaluations, exact.calls.load());
@@ -56,7 +56,7 @@ TEST(TwoStages, ACheapDensityThatIsTheExactOneIsNeverRefused) {
   for (const double a : r.acceptance) EXPECT_NEAR(a, 1, 1e-12);
 }
 
-TEST(TwoStages, BearsAnExactDensityThatIsZeroWhereTheCheapOneIsNot) {
+TEST(TwoStages, ToleratesAnExactDensityThatIsZeroWhereTheCheapOneIsNot) {
   const Written cheap(1, [](std::span<const double> x) { return -0.125 * x[0] * x[0]; });
   const Written exact(1, [](std::span<const double> x) { return x[0] < 0 ? never : -x[0]; });
   auto options = delayed(500, 10000);

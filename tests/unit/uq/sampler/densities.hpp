@@ -70,7 +70,8 @@ class Sloped : public LogDensity {
 inline Sloped banana() {
   return {2, [](std::span<const double> x, std::span<double> g) {
             const double r = x[1] - x[0] * x[0];
-            g[0] = 1 - x[0] + 4 * r * x[0], g[1] = -2 * r;
+            g[0] = 1 - x[0] + 4 * r * x[0];
+            g[1] = -2 * r;
             return -0.5 * std::pow(1 - x[0], 2) - r * r;
           }};
 }

@@ -40,7 +40,8 @@ TEST(Ensemble, EachMoveAloneSamplesADensityWithAWall) {
 // Without the factor z^(d - 1) of the stretch move, or with an asymmetric difference, the variances of five dimensions would be off.
 TEST(Ensemble, EachMoveAloneSamplesSeveralDimensions) {
   Eigen::MatrixXd c = Eigen::MatrixXd::Identity(5, 5);
-  c(0, 1) = c(1, 0) = 0.95, c(4, 4) = 1e-6;
+  c(0, 1) = c(1, 0) = 0.95;
+  c(4, 4) = 1e-6;
   const Gaussian density(Eigen::VectorXd::Zero(5), c);
   for (const double share : {0.0, 1.0}) {
     auto options = ensemble(1000, 500, 20);
@@ -57,7 +58,7 @@ TEST(Ensemble, EachMoveAloneSamplesSeveralDimensions) {
   }
 }
 
-TEST(Ensemble, WalkersAreToldAsChainsThatMoveTogether) {
+TEST(Ensemble, WalkersAreDeclaredAsChainsThatMoveTogether) {
   const auto density = banana();
   const auto r = run_sampler(density, at(2, 1), ensemble(1000, 500, 20), {.seed = 3, .threads = 2});
   EXPECT_EQ(r.quantities.chains, 4 * 8u);

@@ -64,7 +64,7 @@ TEST(Nuts, DrawsFollowABentDensity) {
   EXPECT_LT(std::abs(c.parameters[0].sd - 1), 4 * c.parameters[0].mcse_sd);
   EXPECT_LT(std::abs(y.mean - 2), 4 * y.mcse_mean);
   EXPECT_LT(std::abs(y.sd - std::sqrt(6.5)), 4 * y.mcse_sd);
-  EXPECT_GT(std::abs(y.mean - 2.5), 4 * y.mcse_mean);  // control: another mean is told
+  EXPECT_GT(std::abs(y.mean - 2.5), 4 * y.mcse_mean);  // control: another mean is detected
   for (std::size_t i = 0; i < 4 * 3000; ++i) ASSERT_EQ(r.log_density[i], density.log_density(std::span(r.coordinates.values).subspan(2 * i, 2)));
 }
 

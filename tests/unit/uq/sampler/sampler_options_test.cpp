@@ -162,7 +162,7 @@ TEST(AnEntryOfTheCatalogue, BringsItsTableOfTheCaseFile) {
   EXPECT_THAT(refusal_of([&] { other.read("sampler", options); }), HasSubstr("walk"));
 }
 
-TEST(AnEntryOfTheCatalogue, SaysWhatItNeedsOfADensity) {
+TEST(AnEntryOfTheCatalogue, ListsWhatItNeedsOfADensity) {
   const Written density(1, [](std::span<const double> x) { return -x[0] * x[0]; });
   const SamplerStart start{.mean = Eigen::VectorXd::Zero(1), .covariance = {}, .points = {}};
   const auto options_of = [](const char* kind) { return default_sampler_options(kind, false, demanding_toys()); };

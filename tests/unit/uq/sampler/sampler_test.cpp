@@ -55,13 +55,13 @@ TEST(Sampler, DrawsFollowAGaussian) {
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_LT(std::abs(deviation(r.quantities, k, mean[k], 0.5)), 4);
     EXPECT_LT(std::abs(deviation(r.quantities, k, mean[k] + 1.6448536 * sd[k], 0.95)), 4);
-    EXPECT_GT(std::abs(deviation(r.quantities, k, mean[k] + 0.3 * sd[k], 0.5)), 4);  // control: a wrong median is told
+    EXPECT_GT(std::abs(deviation(r.quantities, k, mean[k] + 0.3 * sd[k], 0.5)), 4);  // control: a wrong median is detected
     EXPECT_NEAR(verdict.parameters[k].sd / sd[k], 1, 4 * verdict.parameters[k].mcse_sd / sd[k]);
   }
   EXPECT_EQ(r.summary.evaluations, density.calls.load());
 }
 
-// What one chain meets is told at once, and what the others have drawn is kept.
+// An error in one chain is reported at once, and the draws of the others are kept.
 TEST(Sampler, AChainThatFailsEndsTheOthers) {
   std::atomic<bool> broken{true};
   std::atomic<std::thread::id> first{};
@@ -220,7 +220,7 @@ TEST(Sampler, ReportsQuantitiesInNaturalUnits) {
   EXPECT_DOUBLE_EQ(r.quantities.at(3, 17, 2), std::exp(r.coordinates.at(3, 17, 0) + r.coordinates.at(3, 17, 1)));
 }
 
-TEST(Sampler, TellsAChainThatNeverMoved) {
+TEST(Sampler, ReportsAChainThatNeverMoved) {
   const Written spike(1, [](std::span<const double> x) { return -1e18 * x[0] * x[0]; });
   const auto r = run_sampler(spike, {.points = Eigen::MatrixXd::Zero(1, 4)}, {.warmup = 0, .draws = 50}, {});
   EXPECT_FALSE(assess(r.quantities).converged);
@@ -231,7 +231,8 @@ TEST(Sampler, ProgressCountsToTheEnd) {
   std::size_t last = 0, all = 0;
   (void)run_sampler(density, about_zero(3), small, {.threads = 3, .progress = [&](std::size_t done, std::size_t of) {
                                                       EXPECT_GE(done, last);
-                                                      last = done, all = of;
+                                                      last = done;
+                                                      all = of;
                                                     }});
   EXPECT_EQ(last, 4 * 1100u);
   EXPECT_EQ(all, last);

@@ -20,7 +20,7 @@ namespace {
 SamplerOptions smc(int chains, int draws) { return {.kind = "smc", .chains = chains, .warmup = 500, .draws = draws, .thin = 1}; }
 SamplerStart at(std::size_t d, double place) { return {.mean = Eigen::VectorXd::Constant(Eigen::Index(d), place), .covariance = {}, .points = {}}; }
 
-/// Estimates lie within four standard errors of the truth, and these are small enough to tell a truth that is off by `off`.
+/// Estimates lie within four standard errors of the truth, and these errors are small enough to detect a truth that is off by `off`.
 void expect_evidence(const SamplerSummary& s, double known, double off) {
   ASSERT_TRUE(s.log_evidence && s.log_evidence_error);
   EXPECT_LT(std::abs(*s.log_evidence - known), 4 * *s.log_evidence_error) << *s.log_evidence << " ± " << *s.log_evidence_error << ", known " << known;
@@ -45,7 +45,7 @@ TEST(Smc, EvidenceOfAGaussianIsItsIntegral) {
 }
 
 // Raiffa and Schlaifer 1961: the evidence of normal data with a normal-inverse-gamma prior is a ratio of gamma functions.
-TEST(Smc, EvidenceOfAConjugateModelIsKnownAndADroppedJacobianIsTold) {
+TEST(Smc, EvidenceOfAConjugateModelIsKnownAndADroppedJacobianIsDetected) {
   const std::vector<double> data{3.6, 0.9, 8.7, 5.1, -1.2, 2.4};
   const ConjugateNormal model(data), dropped(data, false);
   const auto r = run_sampler(model, at(2, 0), smc(8, 1000), {.seed = 2});
@@ -83,8 +83,8 @@ TEST(Smc, DrawsFollowABentDensityAndAWall) {
   EXPECT_LT(std::abs(ess_mean({x, 8}) > 0 ? (assess(w.quantities).parameters[0].mean - 1) / mcse_mean({x, 8}) : 99), 4);
 }
 
-// Weights of two modes that no random walk crosses: what chains that were caught in one could not tell.
-TEST(Smc, TellsTheWeightsOfModesThatLieApart) {
+// Weights of two modes that no random walk crosses; chains that remain in one mode cannot estimate them.
+TEST(Smc, EstimatesTheWeightsOfSeparateModes) {
   const Written two(1, [](std::span<const double> x) {
     const double a = std::log(0.3) - 0.5 * std::pow(x[0] + 8, 2), b = std::log(0.7) - 0.5 * std::pow(x[0] - 8, 2);
     return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
@@ -109,7 +109,9 @@ TEST(Smc, WhatRelativesHaveInCommonCountsAgainstTheEffectiveSampleSize) {
   options.table<SmcOptions>() = {.keep = 0.5, .correlation = 0.99, .sweeps = 1};
   const auto r = run_sampler(density, at(5, 1), options, {.seed = 6});
   const auto first = r.coordinates.of(0);
-  double spread = 0, told = 0, shuffled = 0;
+  double variance = 0;
+  double reported = 0;
+  double shuffled = 0;
   RandomStream random(1, 0);
   for (std::size_t c = 0; c < 200; ++c) {
     std::vector<double> x(first.begin() + std::ptrdiff_t(400 * c), first.begin() + std::ptrdiff_t(400 * (c + 1))), y(400);
@@ -117,11 +119,13 @@ TEST(Smc, WhatRelativesHaveInCommonCountsAgainstTheEffectiveSampleSize) {
     for (const double v : x) mean += v / 400;
     const auto order = random.permutation(400);
     for (std::size_t i = 0; i < 400; ++i) y[i] = x[order[i]];
-    spread += mean * mean / 200, told += std::pow(mcse_mean({x, 1}), 2) / 200, shuffled += std::pow(mcse_mean({y, 1}), 2) / 200;
+    variance += mean * mean / 200;
+    reported += std::pow(mcse_mean({x, 1}), 2) / 200;
+    shuffled += std::pow(mcse_mean({y, 1}), 2) / 200;
   }
-  EXPECT_GT(told / spread, 0.5) << "told " << std::sqrt(told) << ", found " << std::sqrt(spread);
-  EXPECT_LT(told / spread, 2);
-  EXPECT_LT(shuffled / spread, 0.5);  // control: what an order by chance would have claimed
+  EXPECT_GT(reported / variance, 0.5) << "reported " << std::sqrt(reported) << ", found " << std::sqrt(variance);
+  EXPECT_LT(reported / variance, 2);
+  EXPECT_LT(shuffled / variance, 0.5);  // control: the estimate from a random order
 }
 
 TEST(Smc, StoppedAndResumedEndsWithTheSameDraws) { expect_resumed_to_the_same_draws(banana(), at(2, 1), smc(3, 100), 3000, 3); }

@@ -80,9 +80,9 @@ TEST(ReportPosterior, PriorAndPosteriorGiveRatioOfWidthsAndMove) {
       EXPECT_NEAR(sum, 1, 0.03) << p["label"] << " " << key;
     }
   const std::string text = markup(report_of(dir, in));
-  EXPECT_THAT(text, HasSubstr("The records narrow what was known: sound_speed 2 times."));
-  EXPECT_THAT(text, HasSubstr("Of sound_speed, which has a prior, none sits more than two prior standard deviations"));
-  EXPECT_THAT(text, HasSubstr("Of tensile_cutoff, density nothing but bounds was given."));
+  EXPECT_THAT(text, HasSubstr("The records narrow the priors: sound_speed 2 times."));
+  EXPECT_THAT(text, HasSubstr("Of sound_speed, which has a prior, none differs by more than two prior standard deviations"));
+  EXPECT_THAT(text, HasSubstr("For tensile_cutoff, density only bounds were given."));
   EXPECT_FALSE(data_of(read_text(dir / "report.html"))["priors"].is_null());
   write_tables_csv(dir, in);
   EXPECT_NEAR(number_in(csv_of(dir / "report_csv" / "posterior_priors.csv"), 1, "prior_median"), 1450, 15);

@@ -48,7 +48,7 @@ TEST(ReportDiagnosis, TheMissingPhysicsIsDescribedWhenTheVerdictIsUnknown) {
     EXPECT_EQ(missing_table(study).rows.size(), unknown ? 1u : 0u) << verdict;
     const std::string text = diagnosis_section(study, input()).str();
     EXPECT_EQ(text.find("What is missing acts like a change &lt;b&gt;.") != std::string::npos, unknown) << verdict;
-    EXPECT_EQ(text.find("<h3>How what is missing behaves") != std::string::npos, unknown) << verdict;
+    EXPECT_EQ(text.find("<h3>Behaviour of the missing effect") != std::string::npos, unknown) << verdict;
   }
 }
 

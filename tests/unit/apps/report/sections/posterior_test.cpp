@@ -74,16 +74,16 @@ TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsReportedAtTheTopAndInItsSe
   const auto dir = scratch("posterior_absorbed");
   write_sample(dir, ridge_draws());
   Json json = read_json(dir / "posterior.json");
-  json["absorption"] = {"density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs"};
+  json["absorption"] = {"density is 2.4 prior standard deviations below its prior mean: it compensates for an omitted effect"};
   write_json(dir / "posterior.json", json);
   const std::string text = markup(report_of(dir, input()));
-  EXPECT_THAT(text, HasSubstr("<li>sampling: density sits 2.4 prior standard deviations below"));
+  EXPECT_THAT(text, HasSubstr("<li>sampling: density is 2.4 prior standard deviations below"));
   EXPECT_THAT(
       text,
       HasSubstr(
-          "<strong>density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
-  EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> finds out what was left out."));
-  EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
+          "<strong>density is 2.4 prior standard deviations below its prior mean: it compensates for an omitted effect.</strong>"));
+  EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> investigates which effect is omitted."));
+  EXPECT_THAT(text, Not(HasSubstr("none differs by more than")));
 }
 
 TEST(ReportPosterior, AFitThatTheRecordsContradictIsReportedAndItsNumbersAreNotFinal) {
@@ -95,10 +95,10 @@ TEST(ReportPosterior, AFitThatTheRecordsContradictIsReportedAndItsNumbersAreNotF
   json["adequacy"] = "the fit is not adequate: chi-squared 369 for 80 values";
   json["warnings"] = {json["adequacy"]};
   write_json(dir / "posterior.json", json);
-  const std::string told = markup(report_of(dir, input()));
-  EXPECT_THAT(told, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
-  EXPECT_THAT(told, HasSubstr("<li>sampling: the fit is not adequate"));
-  EXPECT_THAT(told, HasSubstr("<strong>Not final</strong>: the warnings say why."));
+  const std::string page = markup(report_of(dir, input()));
+  EXPECT_THAT(page, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
+  EXPECT_THAT(page, HasSubstr("<li>sampling: the fit is not adequate"));
+  EXPECT_THAT(page, HasSubstr("<strong>Not final</strong>: see the warnings."));
   json["final"] = true;
   json["adequate"] = true;
   json["adequacy"] = "the records do not contradict the fit: chi-squared 33 for 80 values";

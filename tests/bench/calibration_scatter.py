@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Spread of the calibrations of 02_box_slice over seeds and over noise realisations. Needs Python 3 alone.
 
-  calibration_spread.py BUILD_DIR WORK_DIR [--seeds 20] [--noises 5] [--full] [--methods enc,spe,map] [--set table.key=value]... [--threads N] [--finished]
+  calibration_scatter.py BUILD_DIR WORK_DIR [--seeds 20] [--noises 5] [--full] [--methods enc,spe,map] [--set table.key=value]... [--threads N] [--finished]
 
 Noise realisations are recordings made anew from the same truth with other seeds; seeds are those of the campaign's design, the training and the searches.
 By default every seed meets the first realisation and every realisation the first seed; --full takes all pairs. A call that is cut off goes on where it
