@@ -97,8 +97,7 @@ std::string pipe_record() {
     mean += valve;
     ++count;
     if (t + dt < next) continue;
-    text += fmt::format("{:.4f},{:.1f}
-", next, 1e-3 * mean / double(count) + 4 * noise.normal());  // the recorder takes the mean of a millisecond
+    text += fmt::format("{:.4f},{:.1f}\n", next, 1e-3 * mean / double(count) + 4 * noise.normal());  // the recorder takes the mean of a millisecond
     next += sample;
     mean = 0;
     count = 0;
