@@ -86,8 +86,8 @@ class LogPosterior {
     Eigen::VectorXd likelihood_gradient, prior_gradient;
     [[nodiscard]] double log_posterior() const { return log_likelihood + log_prior; }
   };
-  /// gradients: without them likelihood_gradient is 0, and the call takes half the time.
-  [[nodiscard]] Density density(const Point& point, bool gradients = true) const;
+  /// with_gradients: without them likelihood_gradient is 0, and the call takes half the time.
+  [[nodiscard]] Density density(const Point& point, bool with_gradients = true) const;
   /// log likelihood of another prediction of the records, (size) on the grid, with `variance` in place of the emulator's: a run of the finest mesh has 1.
   [[nodiscard]] double log_likelihood_of(const Eigen::VectorXd& prediction, double variance) const;
 

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "apps/presentation/data_check_words.hpp"
 #include "tests/unit/apps/presentation/judged_diagnosis.hpp"
 
 namespace calomel {

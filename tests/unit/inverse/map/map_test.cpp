@@ -87,7 +87,7 @@ TEST(Map, APhysicalProductCompensatesForAnOmittedEffect) {
   // Nothing is missing from the model: scales close to zero have the weight, and the answer is nearly as certain as without a discrepancy.
   const auto [plain, one, of_plain] = map(false);
   EXPECT_EQ(one.size(), 1u);
-  const auto [plain, weights, hypotheses] = map(true);
+  const auto [complete, weights, hypotheses] = map(true);
   ASSERT_GT(weights.size(), 5u);
   double small = 0, total = 0;
   for (std::size_t j = 0; j < weights.size(); ++j) total += weights[j], small += hypotheses[j].discrepancy <= 0.01 ? weights[j] : 0;
@@ -100,7 +100,7 @@ TEST(Map, APhysicalProductCompensatesForAnOmittedEffect) {
   for (std::size_t j = 0; j < bumped_weights.size(); ++j) scale += bumped_weights[j] * bumped_hypotheses[j].discrepancy;
   EXPECT_GT(scale, 0.02);
   EXPECT_TRUE(bumped.fit.adequate) << bumped.fit.p_value;
-  EXPECT_GT(bumped.covariance(0, 0), 4 * plain.covariance(0, 0));
+  EXPECT_GT(bumped.covariance(0, 0), 4 * complete.covariance(0, 0));
   EXPECT_LT(std::abs(bumped.theta[0] - 3), 3 * std::sqrt(bumped.covariance(0, 0)));
 }
 

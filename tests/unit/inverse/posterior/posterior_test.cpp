@@ -294,8 +294,8 @@ PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const
 // The sign of a bound does not matter: a box that reaches a bound is not moved again and again.
 TEST(FitPosterior, SettlesAtAnUpperBoundBelowZeroAsAtOneAbove) {
   const PosteriorFit above = fit_at_the_upper_bound(0), below = fit_at_the_upper_bound(-5);
-  EXPECT_TRUE(above.settled) << above.message;
-  EXPECT_TRUE(below.settled) << below.message;
+  EXPECT_TRUE(above.settled) << above.settling().moved;
+  EXPECT_TRUE(below.settled) << below.settling().moved;
   EXPECT_NEAR(below.modes[0].at.theta[0], above.modes[0].at.theta[0] - 5, 1e-3);
 }
 
