@@ -50,7 +50,7 @@ TEST(ComparisonWords, TheTablesAlignTheirNumbersUnderTheirHeads) {
   mean                     -  10.00  9.00
   (accuracy and mae on the case's own mesh)
 
-  difference             MAP - ENC
+  difference            MAP - ENC
   density      +0.75 % = +1.00 sd
   sound_speed                   -
 
