@@ -148,8 +148,8 @@ TEST(SampleVerb, FindsTheTruthAndWritesAllKeysOfTheContract) {
 // A wrong clock shifts the result without any sign in the chains. A data check reports it, and a prior of the trigger includes it.
 TEST(SampleVerb, LateRecordsAreReportedAndAPriorOfTheTriggerIncludesThem) {
   const auto dir = folder("sample_late");
-  const auto late = run(dir, "sample case.toml --out late --set recordings.trigger_offset=-1e-6");
-  EXPECT_THAT(late.said, HasSubstr("µs late (log Bayes factor"));
+  const auto shifted = run(dir, "sample case.toml --out late --set recordings.trigger_offset=-1e-6");
+  EXPECT_THAT(shifted.said, HasSubstr("µs late (log Bayes factor"));
   const Json late = read_json(dir / "late" / "posterior.json");
   EXPECT_FALSE(late["final"].get<bool>());
   EXPECT_THAT(late["warnings"].dump(), AllOf(HasSubstr("All records look"), HasSubstr("the fit is not adequate")));
