@@ -33,7 +33,7 @@ struct SensitivityOptions {
     v("trajectories", trajectories, {.range = between(2, 100000), .doc = "of elementary effects; each is one evaluation and one more a parameter"});
     v("run_totals", run_totals,
       {.doc =
-           "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or a model outside"});
+           "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or an external model"});
   }
 };
 
