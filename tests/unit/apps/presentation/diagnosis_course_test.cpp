@@ -59,7 +59,7 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                {.kind = Kind::fit, .name = "interface", .runs = 40, .made = 1990, .limit = 2000},
                {.kind = Kind::search_cut_short, .name = "lag", .limit = 761},
                {.kind = Kind::fit_ended, .name = "tone", .limit = 761},
-               {.kind = Kind::fit_ended, .name = "hum", .message = "no run of the model came through", .limit = 761},
+               {.kind = Kind::fit_ended, .name = "hum", .message = "no run of the model succeeded", .limit = 761},
                {.kind = Kind::missing_terms, .runs = 135, .limit = 100}};
   EXPECT_THAT(skipped_texts(d),
               ElementsAre("the screening of mechanisms and all later steps: channels appear to be mixed up", "interface (top): an element collapsed",

@@ -15,8 +15,8 @@ using ::testing::IsEmpty;
 PlainSummary summary_of(const Diagnosis& d) { return plain_summary(d, judged_groups()); }
 
 const std::string look =
-    "Look first at gauge S03 from 120 µs on, where the mismatch is first significant. Something outside the catalogue may be missing, such as a part of the "
-    "geometry, or several effects at once. Until it is found, do not take calibrated values for properties of the material.";
+    "Look first at gauge S03 from 120 µs on, where the mismatch is first significant. An effect outside the catalogue may be missing, such as a part of the "
+    "geometry, or several effects at once. Until it is found, do not use calibrated values as properties of the material.";
 const std::string nearest_beam =
     "The simulation leaves something out (misfit 11 %), and the cause is unknown. The nearest explanation is the proton beam's profile";
 
@@ -217,7 +217,7 @@ TEST(DiagnosisWords, UnknownMayHaveNoExplanationAtAll) {
 
 TEST(DiagnosisWords, UnknownNamesThePlaceToInvestigate) {
   const std::string rest =
-      " Something outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not take calibrated "
+      " An effect outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not take calibrated "
       "values for properties of the material.";
   Diagnosis d = judged({});
   d.base.evidence.local = 12;

@@ -91,15 +91,15 @@ TEST(UmbridgeClient, ReportsRefusalsAndFailuresOfAModel) {
 
 TEST(UmbridgeClient, WrongResponsesAreReported) {
   EXPECT_TRUE(answer_to(R"({"output": [[1.0, 2.0]]})").value) << "and whatever the Content-Type says";
-  EXPECT_NE(answer_to(R"({"output": [[1.0]]})").message.find("1 numbers where 2"), std::string::npos);
-  EXPECT_NE(answer_to(R"({"output": [[1.0, 2.0], [3.0]]})").message.find("2 output blocks where 1"), std::string::npos);
+  EXPECT_NE(answer_to(R"({"output": [[1.0]]})").message.find("returned 1 numbers, and 2 were announced"), std::string::npos);
+  EXPECT_NE(answer_to(R"({"output": [[1.0, 2.0], [3.0]]})").message.find("returned 2 output blocks, and 1 were announced"), std::string::npos);
   EXPECT_NE(answer_to(R"({"output": [[NaN, 2.0]]})").message.find("NaN"), std::string::npos);
-  EXPECT_NE(answer_to(R"({"output": [[1e999, 2.0]]})").message.find("no JSON"), std::string::npos);
+  EXPECT_NE(answer_to(R"({"output": [[1e999, 2.0]]})").message.find("invalid JSON"), std::string::npos);
   EXPECT_NE(answer_to(R"({"output": [["a", 2.0]]})").message.find("\"a\""), std::string::npos);
   EXPECT_NE(answer_to(R"({"output": [[null, 2.0]]})").message.find("null"), std::string::npos);
-  EXPECT_NE(answer_to("{}").message.find("without output"), std::string::npos);
+  EXPECT_NE(answer_to("{}").message.find("returned no output"), std::string::npos);
   EXPECT_NE(answer_to("[1]").message.find("no JSON object"), std::string::npos);
-  EXPECT_NE(answer_to(R"({"output": [[1.0, 2)").message.find("no JSON"), std::string::npos);
+  EXPECT_NE(answer_to(R"({"output": [[1.0, 2)").message.find("invalid JSON"), std::string::npos);
   EXPECT_NE(answer_to("<html>gateway</html>", 500).message.find("status 500"), std::string::npos);
   EXPECT_NE(answer_to(R"({"error": {"type": "InvalidOutput", "message": "overflow"}})").message.find("overflow"), std::string::npos)
       << "an error with status 200";
@@ -118,7 +118,7 @@ TEST(UmbridgeClient, StrangeWordsAreMadePlain) {
     EXPECT_EQ(said.find('\n'), std::string::npos);
   }
   const std::string deep = std::string(200000, '[') + std::string(200000, ']');
-  EXPECT_NE(answer_to("{\"output\": [[" + deep + ", 2.0]]}").message.find("no JSON"), std::string::npos);
+  EXPECT_NE(answer_to("{\"output\": [[" + deep + ", 2.0]]}").message.find("invalid JSON"), std::string::npos);
   EXPECT_NE(answer_to("{\"output\": [[[[1]], 2.0]]}").message.find("a list"), std::string::npos);
 }
 
