@@ -217,8 +217,8 @@ TEST(DiagnosisWords, UnknownMayHaveNoExplanationAtAll) {
 
 TEST(DiagnosisWords, UnknownNamesThePlaceToInvestigate) {
   const std::string rest =
-      " An effect outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not take calibrated "
-      "values for properties of the material.";
+      " An effect outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not use calibrated "
+      "values as properties of the material.";
   Diagnosis d = judged({});
   d.base.evidence.local = 12;
   d.base.likeliest_place = {"S03", "S04"};

@@ -29,7 +29,7 @@ TEST(ReportSensitivity, NamesTheParametersThatMatterMostThoseThatHardlyMatterAnd
   const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("<strong>sound_speed</strong> has a part in 70\u00a0% (69\u00a0% to 71\u00a0%), density in 40\u00a0% (39\u00a0% to 41\u00a0%) "
                               "and tensile_cutoff in 0.5\u00a0%"));
-  EXPECT_THAT(text, HasSubstr("Alone, the parameters make 90\u00a0% of the variation; the rest is due to interactions."));
+  EXPECT_THAT(text, HasSubstr("Alone, the parameters cause 90\u00a0% of the variation; the rest is due to interactions."));
   EXPECT_THAT(text, HasSubstr("tensile_cutoff hardly matters within these bounds: these records contain almost no information on it."));
   EXPECT_THAT(text, HasSubstr("density 5000 to 20\u202f000\u00a0kg/m\u00b3"));
   EXPECT_THAT(text, HasSubstr("follows 18 of the 18 numbers (left-out R\u00b2 above 0.9); there its total indices differ from these by 0.03 at most."));
