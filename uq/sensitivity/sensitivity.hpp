@@ -32,8 +32,8 @@ struct SensitivityOptions {
     v("measure", measure, {.doc = "how parameters vary: evenly between their bounds, or by their priors there", .choices = {"uniform", "prior"}});
     v("trajectories", trajectories, {.range = between(2, 100000), .doc = "of elementary effects; each is one evaluation and one more a parameter"});
     v("run_totals", run_totals,
-      {.doc =
-           "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or an external model"});
+      {.doc = "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or an external "
+              "model"});
   }
 };
 
